@@ -1,0 +1,160 @@
+//! What can go wrong, and whose fault it is.
+//!
+//! The policy: an [`Error`] is about input or the machine and names what would be right; a broken
+//! invariant of direkt itself is an `assert!` with a message.
+
+use std::path::{Path, PathBuf};
+
+/// Everything a direkt command can fail with.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file, or a field in it, is not what it has to be.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The command was used wrongly, or two settings contradict each other.
+    #[error("{0}")]
+    Usage(String),
+    /// A file could not be written.
+    #[error("{}: cannot be written: {source}", path.display())]
+    Write {
+        /// The file that was meant to be written.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The GPU, its driver or its limits stand in the way.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+impl Error {
+    /// The process exit code: 2 for wrong use or bad input, 1 for everything else.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input(_) | Self::Usage(_) | Self::Write { .. } => 2,
+            Self::Gpu(e) if e.is_about_the_request() => 2,
+            Self::Gpu(_) => 1,
+        }
+    }
+}
+
+/// Bad input: which file, which field of it, what is wrong there and what would be right.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InputError {
+    /// The file that holds the problem.
+    pub file: PathBuf,
+    /// Path of the field inside the file (`shapes[3].radius`), empty when the file as a whole is meant.
+    pub field: String,
+    /// What is wrong, with the value that was found.
+    pub problem: String,
+    /// What would be right; empty when the problem says it already.
+    pub expected: String,
+}
+
+impl InputError {
+    /// A problem with `field` of `file`.
+    pub fn new(
+        file: impl AsRef<Path>,
+        field: impl Into<String>,
+        problem: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self {
+            file: file.as_ref().to_path_buf(),
+            field: field.into(),
+            problem: problem.into(),
+            expected: expected.into(),
+        }
+    }
+
+    /// A problem with the file as a whole.
+    pub fn file(
+        file: impl AsRef<Path>,
+        problem: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::new(file, "", problem, expected)
+    }
+}
+
+impl std::fmt::Display for InputError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: ", self.file.display())?;
+        if !self.field.is_empty() {
+            write!(f, "{}: ", self.field)?;
+        }
+        write!(f, "{}", self.problem)?;
+        if !self.expected.is_empty() {
+            write!(f, "; expected {}", self.expected)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for InputError {}
+
+/// The GPU, its driver or its limits stand in the way.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GpuError {
+    /// There is no adapter at all.
+    #[error(
+        "no GPU adapter found: install a Vulkan driver, or run `./lavapipe direkt …`, which installs Mesa lavapipe (Vulkan in software)"
+    )]
+    NoAdapter,
+    /// No adapter's name contains what `--adapter` asked for.
+    #[error("no adapter's name contains `{wanted}`; there are: {}", available.join(", "))]
+    NoSuchAdapter {
+        /// The substring that was asked for.
+        wanted: String,
+        /// Names of the adapters that exist.
+        available: Vec<String>,
+    },
+    /// The scene needs more than the adapter offers.
+    #[error("{what} needs {needed} bytes, but {adapter} binds at most {limit} bytes in one buffer")]
+    TooLarge {
+        /// The buffer, in words.
+        what: String,
+        /// Bytes that the scene needs.
+        needed: u64,
+        /// The adapter's `max_storage_buffer_binding_size`.
+        limit: u64,
+        /// The adapter's name.
+        adapter: String,
+    },
+    /// The device could not be opened.
+    #[error("{adapter}: the device could not be opened: {message}")]
+    Device {
+        /// The adapter's name.
+        adapter: String,
+        /// What wgpu said.
+        message: String,
+    },
+    /// A shader could not be linked or compiled: direkt's own fault, or that of `DIREKT_SHADERS`.
+    #[error("shader `{entry}`: {message}")]
+    Shader {
+        /// The entry module, e.g. `kernel/direct`.
+        entry: String,
+        /// What the linker or compiler said.
+        message: String,
+    },
+    /// The driver reported an error, ran out of memory or lost the device.
+    #[error("{adapter}: {message}")]
+    Driver {
+        /// The adapter's name.
+        adapter: String,
+        /// What the driver said.
+        message: String,
+    },
+}
+
+impl GpuError {
+    /// Whether the user asked for something this machine does not have (exit code 2).
+    fn is_about_the_request(&self) -> bool {
+        matches!(
+            self,
+            Self::NoAdapter | Self::NoSuchAdapter { .. } | Self::TooLarge { .. }
+        )
+    }
+}

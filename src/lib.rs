@@ -1,0 +1,3 @@
+//! direkt: direct lighting by Monte Carlo integration.
+pub mod error;
+pub mod scene;

@@ -1,0 +1,44 @@
+//! The scene, in f64, as the file describes it.
+//!
+//! [`load`] reads a TOML, glTF or GLB file into a [`Scene`] and validates it; [`normalize`] moves and scales it for
+//! f32. Nothing here knows of the GPU.
+
+pub mod camera;
+pub mod ids;
+pub mod light;
+pub mod load;
+pub mod material;
+pub mod normalize;
+pub mod settings;
+pub mod shape;
+pub mod validate;
+
+pub use camera::{Camera, FilmSize};
+pub use ids::{MaterialId, ShapeId};
+pub use light::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
+pub use material::{Bsdf, Material};
+pub use settings::{LightSelection, RenderSettings, Strategy};
+pub use shape::{Emission, Geometry, Mesh, Shape};
+
+/// Everything that is rendered, in world space and f64.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The file it was read from, as the user named it.
+    pub source: std::path::PathBuf,
+    /// The camera.
+    pub camera: Camera,
+    /// Size of the image.
+    pub film: FilmSize,
+    /// Surfaces' materials.
+    pub materials: Vec<Material>,
+    /// Surfaces.
+    pub shapes: Vec<Shape>,
+    /// Lights without a surface.
+    pub lights: Vec<Light>,
+    /// Light from everywhere else.
+    pub environment: Option<Environment>,
+    /// How to render, unless a flag says otherwise.
+    pub render: RenderSettings,
+    /// What the file asks for and direkt does not do, or what was dropped: one sentence each.
+    pub warnings: Vec<String>,
+}

@@ -1,0 +1,1 @@
+//! Moves and scales a scene for f32.

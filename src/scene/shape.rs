@@ -1,0 +1,67 @@
+//! Geometry, in world space and f64.
+
+use super::ids::MaterialId;
+use glam::DVec3;
+
+/// A surface of the scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Where it came from, for messages: `shapes[3]`, `shapes[2]: lens (mesh 4)`.
+    pub name: String,
+    /// Its geometry.
+    pub geometry: Geometry,
+    /// How it scatters.
+    pub material: MaterialId,
+    /// What it emits.
+    pub emission: Option<Emission>,
+}
+
+/// Geometry in world space. The front is the side that the normal points to.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Geometry {
+    /// The parallelogram `corner + s·u + t·v`, s and t in [0, 1]; its normal is `u × v`.
+    Rectangle {
+        /// One corner.
+        corner: DVec3,
+        /// Edge from the corner.
+        u: DVec3,
+        /// Other edge from the corner.
+        v: DVec3,
+    },
+    /// The disk (or ellipse) `center + s·u + t·v`, s² + t² ≤ 1; its normal is `u × v`.
+    Disk {
+        /// Centre.
+        center: DVec3,
+        /// Half axis.
+        u: DVec3,
+        /// Other half axis.
+        v: DVec3,
+    },
+    /// A sphere; its normal points outwards.
+    Sphere {
+        /// Centre.
+        center: DVec3,
+        /// Radius, above 0.
+        radius: f64,
+    },
+    /// A triangle mesh; a triangle's normal is `(b − a) × (c − a)`.
+    Mesh(Mesh),
+}
+
+/// An indexed triangle mesh. Every index is below `positions.len()`, and no triangle has zero area.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mesh {
+    /// Vertex positions.
+    pub positions: Vec<DVec3>,
+    /// Three vertex indices per triangle, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// What a surface emits, the same in all directions of its emitting sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Emission {
+    /// Radiance per channel (W·sr⁻¹·m⁻²; from glTF: nit).
+    pub radiance: DVec3,
+    /// Whether the back emits as well.
+    pub two_sided: bool,
+}

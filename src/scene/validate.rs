@@ -1,0 +1,1 @@
+//! Checks what types cannot say.
