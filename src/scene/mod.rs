@@ -3,6 +3,7 @@
 //! [`load`] reads a TOML, glTF or GLB file into a [`Scene`] and validates it; [`normalize`] moves and scales it for
 //! f32. Nothing here knows of the GPU.
 
+pub mod alias_table;
 pub mod camera;
 pub mod ids;
 pub mod light;

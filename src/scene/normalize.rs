@@ -1,1 +1,98 @@
 //! Moves and scales a scene for f32.
+//!
+//! On the GPU, coordinates are f32. Before they are rounded, the centre of the geometry is subtracted in f64 and
+//! everything is scaled by a power of two so that it lies in [−1, 1]: a scene far from the origin, or of
+//! any size, loses no more than one near it. Radiance does not change; the intensity of a point light grows with the
+//! square of the scale.
+
+use super::{Geometry, Scene};
+use glam::DVec3;
+
+/// The map from world space to normalised space: `(p − center) · scale`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Normalization {
+    /// Centre of the geometry, world space.
+    pub center: DVec3,
+    /// A power of two.
+    pub scale: f64,
+}
+
+impl Normalization {
+    /// The normalisation of a scene; that of one without geometry moves the eye to the origin.
+    pub fn of(scene: &Scene) -> Self {
+        let Some((low, high)) = bounds(scene) else {
+            return Self {
+                center: scene.camera.eye,
+                scale: 1.0,
+            };
+        };
+        let half = 0.5 * (high - low).max_element();
+        let exponent = if half > 0.0 { -half.log2().ceil() } else { 0.0 };
+        Self {
+            center: 0.5 * (low + high),
+            scale: exponent.clamp(-1000.0, 1000.0).exp2(),
+        }
+    }
+
+    /// A point of world space in normalised space.
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        (p - self.center) * self.scale
+    }
+
+    /// A vector of world space in normalised space.
+    pub fn vector(&self, v: DVec3) -> DVec3 {
+        v * self.scale
+    }
+
+    /// A length of world space in normalised space.
+    pub fn length(&self, length: f64) -> f64 {
+        length * self.scale
+    }
+
+    /// The intensity of a light without extent, so that I/d² stays the same.
+    pub fn intensity(&self, intensity: DVec3) -> DVec3 {
+        intensity * (self.scale * self.scale)
+    }
+}
+
+/// The axis-parallel box around all geometry; `None` where there is none.
+pub fn bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
+    let mut low = DVec3::INFINITY;
+    let mut high = DVec3::NEG_INFINITY;
+    let mut add = |p: DVec3| {
+        low = low.min(p);
+        high = high.max(p);
+    };
+    for shape in &scene.shapes {
+        match &shape.geometry {
+            Geometry::Rectangle { corner, u, v } => {
+                for p in [*corner, corner + u, corner + v, corner + u + v] {
+                    add(p);
+                }
+            }
+            Geometry::Disk { center, u, v } => {
+                let half = disk_half_extent(*u, *v);
+                add(center - half);
+                add(center + half);
+            }
+            Geometry::Sphere { center, radius } => {
+                add(center - DVec3::splat(*radius));
+                add(center + DVec3::splat(*radius));
+            }
+            Geometry::Mesh(mesh) => {
+                for triangle in &mesh.triangles {
+                    for &i in triangle {
+                        add(mesh.positions[i as usize]);
+                    }
+                }
+            }
+        }
+    }
+    (low.x <= high.x).then_some((low, high))
+}
+
+/// Half the size of the box around the ellipse with half axes `u` and `v`: per axis √(u² + v²).
+pub fn disk_half_extent(u: DVec3, v: DVec3) -> DVec3 {
+    let squared = u * u + v * v;
+    DVec3::new(squared.x.sqrt(), squared.y.sqrt(), squared.z.sqrt())
+}

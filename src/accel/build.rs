@@ -1,0 +1,107 @@
+//! Builds a binary BVH over primitives.
+
+use super::flatten::{Bvh, MAX_DEPTH, MAX_LEAF_PRIMITIVES, flatten};
+use super::primitives::Primitive;
+use glam::{DVec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use obvhs::ploc::{PlocSearchDistance, SortPrecision};
+use obvhs::{Boundable, BvhBuildParams};
+
+/// A primitive's box, rounded outwards.
+struct Boxed(Aabb);
+
+impl Boundable for Boxed {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+fn boxed(p: &Primitive) -> Boxed {
+    let (low, high) = p.geometry.bounds();
+    let below = |x: f64| (x as f32).next_down();
+    let above = |x: f64| (x as f32).next_up();
+    let down = |v: DVec3| Vec3A::new(below(v.x), below(v.y), below(v.z));
+    let up = |v: DVec3| Vec3A::new(above(v.x), above(v.y), above(v.z));
+    Boxed(Aabb::new(down(low), up(high)))
+}
+
+/// Reorders `primitives` into leaf order and returns the hierarchy over them. Without primitives it holds no node.
+pub fn build(primitives: &mut Vec<Primitive>) -> Bvh {
+    if primitives.is_empty() {
+        return Bvh::default();
+    }
+    let boxes: Vec<Boxed> = primitives.iter().map(boxed).collect();
+    let mut seconds = std::time::Duration::ZERO;
+    let mut bvh2 = build_bvh2(&boxes, parameters(primitives.len()), &mut seconds);
+    if bvh2.depth(0) > MAX_DEPTH {
+        bvh2 = median_split(&boxes);
+    }
+    let order = bvh2
+        .primitive_indices
+        .iter()
+        .map(|&i| primitives[i as usize]);
+    *primitives = order.collect();
+    flatten(&bvh2)
+}
+
+fn parameters(count: usize) -> BvhBuildParams {
+    let large = count > 500_000;
+    BvhBuildParams {
+        pre_split: false,
+        ploc_search_distance: PlocSearchDistance::Medium,
+        search_depth_threshold: 3,
+        reinsertion_batch_ratio: if large { 0.05 } else { 0.2 },
+        post_collapse_reinsertion_batch_ratio_multiplier: if large { 0.0 } else { 2.0 },
+        sort_precision: SortPrecision::U64,
+        max_prims_per_leaf: MAX_LEAF_PRIMITIVES,
+        collapse_traversal_cost: 1.0,
+    }
+}
+
+/// A balanced hierarchy by object median along the longest axis: for scenes on which the better builder goes deeper
+/// than the traversal's stack. Its depth is ⌈log₂ n⌉.
+fn median_split(boxes: &[Boxed]) -> Bvh2 {
+    let mut bvh2 = Bvh2 {
+        primitive_indices: (0..boxes.len() as u32).collect(),
+        ..Bvh2::default()
+    };
+    bvh2.nodes.push(obvhs::bvh2::node::Bvh2Node::default());
+    let mut indices = std::mem::take(&mut bvh2.primitive_indices);
+    split_node(&mut bvh2, boxes, &mut indices, 0, 0);
+    bvh2.primitive_indices = indices;
+    bvh2
+}
+
+fn split_node(bvh2: &mut Bvh2, boxes: &[Boxed], indices: &mut [u32], first: u32, node: usize) {
+    use obvhs::bvh2::node::Bvh2Node;
+    let around = indices
+        .iter()
+        .fold(Aabb::INVALID, |a, &i| a.union(&boxes[i as usize].0));
+    if indices.len() <= 2 {
+        bvh2.nodes[node] = Bvh2Node::new(around, indices.len() as u32, first);
+        return;
+    }
+    let size = around.max - around.min;
+    let axis = if size.x >= size.y && size.x >= size.z {
+        0
+    } else if size.y >= size.z {
+        1
+    } else {
+        2
+    };
+    let center = |i: &u32| {
+        let b = &boxes[*i as usize].0;
+        b.min[axis] + b.max[axis]
+    };
+    let half = indices.len() / 2;
+    indices.select_nth_unstable_by(half, |a, b| center(a).total_cmp(&center(b)));
+    let children = bvh2.nodes.len();
+    bvh2.nodes[node] = Bvh2Node::new(around, 0, children as u32);
+    bvh2.nodes
+        .extend([Bvh2Node::default(), Bvh2Node::default()]);
+    let (left, right) = indices.split_at_mut(half);
+    split_node(bvh2, boxes, left, first, children);
+    split_node(bvh2, boxes, right, first + half as u32, children + 1);
+}

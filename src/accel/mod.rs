@@ -1,0 +1,12 @@
+//! Acceleration: the scene's primitives and a bounding volume hierarchy over them.
+//!
+//! [`primitives`] flattens shapes into triangles, rectangles, disks and spheres in normalised space; [`build`] makes
+//! a binary BVH (by `obvhs`); [`flatten`] turns it into the nodes that the GPU reads.
+
+pub mod build;
+pub mod flatten;
+pub mod primitives;
+
+pub use build::build;
+pub use flatten::{Bvh, Node};
+pub use primitives::{Primitive, PrimitiveGeometry, primitives};

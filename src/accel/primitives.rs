@@ -1,0 +1,129 @@
+//! Shapes as primitives in normalised space.
+
+use crate::scene::normalize::{Normalization, disk_half_extent};
+use crate::scene::{Geometry, MaterialId, Scene, ShapeId};
+use glam::DVec3;
+
+/// The smallest unit that a ray can hit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Primitive {
+    /// Its geometry, normalised space.
+    pub geometry: PrimitiveGeometry,
+    /// How it scatters.
+    pub material: MaterialId,
+    /// The shape that it is a part of.
+    pub shape: ShapeId,
+}
+
+/// Geometry of a primitive. A planar one holds the points `a + s·u + t·v`; its normal is `u × v`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PrimitiveGeometry {
+    /// s, t ≥ 0, s + t ≤ 1.
+    Triangle {
+        /// First vertex.
+        a: DVec3,
+        /// Second vertex minus the first.
+        u: DVec3,
+        /// Third vertex minus the first.
+        v: DVec3,
+    },
+    /// s, t in [0, 1].
+    Rectangle {
+        /// Corner.
+        a: DVec3,
+        /// Edge.
+        u: DVec3,
+        /// Edge.
+        v: DVec3,
+    },
+    /// s² + t² ≤ 1.
+    Disk {
+        /// Centre.
+        a: DVec3,
+        /// Half axis.
+        u: DVec3,
+        /// Half axis.
+        v: DVec3,
+    },
+    /// A sphere.
+    Sphere {
+        /// Centre.
+        center: DVec3,
+        /// Radius.
+        radius: f64,
+    },
+}
+
+impl PrimitiveGeometry {
+    /// Surface area.
+    pub fn area(&self) -> f64 {
+        match *self {
+            Self::Triangle { u, v, .. } => 0.5 * u.cross(v).length(),
+            Self::Rectangle { u, v, .. } => u.cross(v).length(),
+            Self::Disk { u, v, .. } => std::f64::consts::PI * u.cross(v).length(),
+            Self::Sphere { radius, .. } => 4.0 * std::f64::consts::PI * radius * radius,
+        }
+    }
+
+    /// Corners of the axis-parallel box around it.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        match *self {
+            Self::Triangle { a, u, v } => {
+                let (b, c) = (a + u, a + v);
+                (a.min(b).min(c), a.max(b).max(c))
+            }
+            Self::Rectangle { a, u, v } => {
+                let (b, c, d) = (a + u, a + v, a + u + v);
+                (a.min(b).min(c).min(d), a.max(b).max(c).max(d))
+            }
+            Self::Disk { a, u, v } => {
+                let half = disk_half_extent(u, v);
+                (a - half, a + half)
+            }
+            Self::Sphere { center, radius } => {
+                (center - DVec3::splat(radius), center + DVec3::splat(radius))
+            }
+        }
+    }
+}
+
+/// All primitives of a scene, in the order of its shapes and their triangles.
+pub fn primitives(scene: &Scene, normalization: &Normalization) -> Vec<Primitive> {
+    let mut out = Vec::new();
+    for (index, shape) in scene.shapes.iter().enumerate() {
+        let mut push = |geometry| {
+            out.push(Primitive {
+                geometry,
+                material: shape.material,
+                shape: ShapeId(index as u32),
+            });
+        };
+        match &shape.geometry {
+            Geometry::Rectangle { corner, u, v } => push(PrimitiveGeometry::Rectangle {
+                a: normalization.point(*corner),
+                u: normalization.vector(*u),
+                v: normalization.vector(*v),
+            }),
+            Geometry::Disk { center, u, v } => push(PrimitiveGeometry::Disk {
+                a: normalization.point(*center),
+                u: normalization.vector(*u),
+                v: normalization.vector(*v),
+            }),
+            Geometry::Sphere { center, radius } => push(PrimitiveGeometry::Sphere {
+                center: normalization.point(*center),
+                radius: normalization.length(*radius),
+            }),
+            Geometry::Mesh(mesh) => {
+                for t in &mesh.triangles {
+                    let [a, b, c] = t.map(|i| normalization.point(mesh.positions[i as usize]));
+                    push(PrimitiveGeometry::Triangle {
+                        a,
+                        u: b - a,
+                        v: c - a,
+                    });
+                }
+            }
+        }
+    }
+    out
+}

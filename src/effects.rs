@@ -1,0 +1,211 @@
+//! What a scene calls for: every piece of shader code that is not always there, and the reason why it is.
+//!
+//! An effect is derived from the scene, never declared by the user. Each maps to a WESL feature: code under
+//! `@if(GLOSSY)` is not in the WGSL unless some material has a microfacet lobe.
+
+use crate::accel::{Primitive, PrimitiveGeometry};
+use crate::emitters::{Emitter, Emitters};
+use crate::scene::{EnvironmentRadiance, Light, Scene, Strategy};
+use std::collections::BTreeMap;
+
+macro_rules! effects {
+    ($($(#[$doc:meta])* $variant:ident $feature:literal $name:literal,)*) => {
+        /// A piece of the renderer that only some scenes need.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Effect { $($(#[$doc])* $variant,)* }
+
+        impl Effect {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
+
+            /// The WESL feature that compiles it in.
+            pub fn feature(self) -> &'static str {
+                match self { $(Self::$variant => $feature,)* }
+            }
+
+            /// Its name for people and JSON.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)* }
+            }
+        }
+    };
+}
+
+effects! {
+    /// There is something for rays to hit.
+    Geometry "GEOMETRY" "geometry",
+    /// Triangle meshes.
+    Triangles "TRIANGLES" "triangles",
+    /// Analytic rectangles.
+    Rectangles "RECTANGLES" "rectangles",
+    /// Analytic disks.
+    Disks "DISKS" "disks",
+    /// Analytic spheres.
+    Spheres "SPHERES" "spheres",
+    /// Surfaces whose back does not exist.
+    OneSided "ONE_SIDED" "one-sided-surfaces",
+    /// A microfacet lobe.
+    Glossy "GLOSSY" "glossy",
+    /// Surfaces that emit.
+    AreaLights "AREA_LIGHTS" "area-lights",
+    /// Triangles, rectangles or disks that emit and are sampled.
+    PlanarLights "LIGHT_PLANAR" "planar-lights",
+    /// Triangles that emit.
+    TriangleLights "LIGHT_TRIANGLES" "triangle-lights",
+    /// Disks that emit.
+    DiskLights "LIGHT_DISKS" "disk-lights",
+    /// Spheres that emit.
+    SphereLights "LIGHT_SPHERES" "sphere-lights",
+    /// Point and spot lights.
+    PointLights "LIGHT_POINTS" "point-lights",
+    /// Directional lights.
+    DirectionalLights "LIGHT_DIRECTIONALS" "directional-lights",
+    /// Light from everywhere.
+    Environment "ENVIRONMENT" "environment",
+    /// An image of the environment.
+    EnvironmentMap "ENVIRONMENT_MAP" "environment-map",
+    /// More than one light to choose from.
+    LightChoice "LIGHT_CHOICE" "light-choice",
+    /// Directions are chosen towards lights.
+    SampleLights "SAMPLE_LIGHTS" "light-sampling",
+    /// Directions are chosen in proportion to the BSDF.
+    SampleBsdf "SAMPLE_BSDF" "bsdf-sampling",
+}
+
+/// The effects that a render calls for, each with its reason.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Effects(BTreeMap<Effect, String>);
+
+impl Effects {
+    /// Adds an effect; the first reason stays.
+    pub fn call_for(&mut self, effect: Effect, reason: impl FnOnce() -> String) {
+        self.0.entry(effect).or_insert_with(reason);
+    }
+
+    /// Whether the effect is called for.
+    pub fn contains(&self, effect: Effect) -> bool {
+        self.0.contains_key(&effect)
+    }
+
+    /// The effects and their reasons, in the order of [`Effect::ALL`].
+    pub fn iter(&self) -> impl Iterator<Item = (Effect, &str)> {
+        self.0.iter().map(|(e, r)| (*e, r.as_str()))
+    }
+
+    /// WESL features with their values: every effect's feature is named.
+    pub fn features(&self) -> impl Iterator<Item = (&'static str, bool)> {
+        Effect::ALL.iter().map(|e| (e.feature(), self.contains(*e)))
+    }
+}
+
+/// Finds what `scene` calls for under `strategy`.
+pub fn called_for(
+    scene: &Scene,
+    primitives: &[Primitive],
+    emitters: &Emitters,
+    strategy: Strategy,
+) -> Effects {
+    let mut effects = Effects::default();
+    of_surfaces(&mut effects, scene, primitives);
+    let sampled = |index: usize| emitters.probability(index) > 0.0;
+    for (index, light) in emitters.lights.iter().enumerate() {
+        of_light(&mut effects, scene, primitives, light, sampled(index));
+    }
+    let lights = emitters.lights.len();
+    if emitters.selection.is_some() {
+        if lights > 1 {
+            effects.call_for(Effect::LightChoice, || format!("{lights} lights"));
+        }
+        effects.call_for(Effect::SampleLights, || match strategy {
+            Strategy::Bsdf => {
+                "lights without a surface, which BSDF sampling cannot reach".to_owned()
+            }
+            other => format!("strategy {other}"),
+        });
+    }
+    let reachable = effects.contains(Effect::AreaLights) || effects.contains(Effect::Environment);
+    if strategy != Strategy::LightArea && reachable {
+        effects.call_for(Effect::SampleBsdf, || format!("strategy {strategy}"));
+    }
+    effects
+}
+
+fn of_surfaces(effects: &mut Effects, scene: &Scene, primitives: &[Primitive]) {
+    for primitive in primitives {
+        let shape = || scene.shapes[primitive.shape.index()].name.clone();
+        let material = &scene.materials[primitive.material.index()];
+        effects.call_for(Effect::Geometry, shape);
+        let kind = match primitive.geometry {
+            PrimitiveGeometry::Triangle { .. } => Effect::Triangles,
+            PrimitiveGeometry::Rectangle { .. } => Effect::Rectangles,
+            PrimitiveGeometry::Disk { .. } => Effect::Disks,
+            PrimitiveGeometry::Sphere { .. } => Effect::Spheres,
+        };
+        effects.call_for(kind, shape);
+        if !material.double_sided {
+            effects.call_for(Effect::OneSided, || {
+                format!("materials.{}: double_sided = false", material.name)
+            });
+        }
+        if let Some(lobe) = material.bsdf.parameters().specular {
+            effects.call_for(Effect::Glossy, || {
+                format!(
+                    "materials.{}: GGX with α = {:.4}",
+                    material.name, lobe.alpha
+                )
+            });
+        }
+    }
+}
+
+fn of_light(
+    effects: &mut Effects,
+    scene: &Scene,
+    primitives: &[Primitive],
+    light: &Emitter,
+    sampled: bool,
+) {
+    match light {
+        Emitter::Area { primitive, .. } => {
+            let primitive = &primitives[*primitive as usize];
+            let reason = || format!("{} emits", scene.shapes[primitive.shape.index()].name);
+            effects.call_for(Effect::AreaLights, reason);
+            if !sampled {
+                return;
+            }
+            let kind = match primitive.geometry {
+                PrimitiveGeometry::Sphere { .. } => Effect::SphereLights,
+                PrimitiveGeometry::Triangle { .. } => Effect::TriangleLights,
+                PrimitiveGeometry::Disk { .. } => Effect::DiskLights,
+                PrimitiveGeometry::Rectangle { .. } => Effect::PlanarLights,
+            };
+            effects.call_for(kind, reason);
+            if kind != Effect::SphereLights {
+                effects.call_for(Effect::PlanarLights, reason);
+            }
+        }
+        Emitter::Delta(Light::Directional { .. }) => {
+            effects.call_for(Effect::DirectionalLights, || {
+                "a directional light".to_owned()
+            });
+        }
+        Emitter::Delta(Light::Point { .. }) => {
+            effects.call_for(Effect::PointLights, || "a point light".to_owned());
+        }
+        Emitter::Delta(Light::Spot { .. }) => {
+            effects.call_for(Effect::PointLights, || "a spot light".to_owned());
+        }
+        Emitter::Environment => {
+            effects.call_for(Effect::Environment, || "[environment]".to_owned());
+            let radiance = scene.environment.as_ref().map(|e| &e.radiance);
+            if let Some(EnvironmentRadiance::Map(map)) = radiance {
+                effects.call_for(Effect::EnvironmentMap, || {
+                    format!(
+                        "environment.file = {} ({} × {})",
+                        map.source, map.width, map.height
+                    )
+                });
+            }
+        }
+    }
+}

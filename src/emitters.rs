@@ -1,0 +1,184 @@
+//! Everything that emits, as one list with selection probabilities.
+
+use crate::accel::Primitive;
+use crate::scene::alias_table::AliasTable;
+use crate::scene::normalize::Normalization;
+use crate::scene::{Environment, EnvironmentRadiance, Light, LightSelection, Scene, Strategy};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// One light, in normalised space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Emitter {
+    /// A primitive that emits.
+    Area {
+        /// Index of the primitive, in leaf order.
+        primitive: u32,
+        /// Radiance.
+        radiance: DVec3,
+        /// Whether its back emits as well.
+        two_sided: bool,
+    },
+    /// A light without a surface; positions and intensities normalised.
+    Delta(Light),
+    /// The environment.
+    Environment,
+}
+
+/// The lights of a scene and how one of them is chosen.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Emitters {
+    /// The lights. Those without power are left out.
+    pub lights: Vec<Emitter>,
+    /// How light sampling chooses; `None` where it has nothing to choose from.
+    pub selection: Option<AliasTable>,
+}
+
+/// Rec. 709 luminance.
+pub fn luminance(rgb: DVec3) -> f64 {
+    rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// Whether anything is emitted at all.
+pub fn is_lit(rgb: DVec3) -> bool {
+    rgb.max_element() > 0.0
+}
+
+impl Emitters {
+    /// Lists the lights of `scene`, whose primitives are `primitives`.
+    ///
+    /// With [`Strategy::Bsdf`] only lights without a surface are ever chosen: the others are reached by sampling the
+    /// BSDF.
+    pub fn new(
+        scene: &Scene,
+        normalization: &Normalization,
+        primitives: &[Primitive],
+        strategy: Strategy,
+        selection: LightSelection,
+    ) -> Self {
+        let mut lights = Vec::new();
+        let mut power = Vec::new();
+        for (index, primitive) in primitives.iter().enumerate() {
+            let Some(emission) = scene.shapes[primitive.shape.index()].emission else {
+                continue;
+            };
+            if is_lit(emission.radiance) {
+                let sides = if emission.two_sided { 2.0 } else { 1.0 };
+                power.push(sides * PI * primitive.geometry.area() * luminance(emission.radiance));
+                lights.push(Emitter::Area {
+                    primitive: index as u32,
+                    radiance: emission.radiance,
+                    two_sided: emission.two_sided,
+                });
+            }
+        }
+        for light in &scene.lights {
+            let light = normalized(light, normalization);
+            let of_light = delta_power(&light);
+            if of_light > 0.0 {
+                power.push(of_light);
+                lights.push(Emitter::Delta(light));
+            }
+        }
+        if let Some(environment) = &scene.environment {
+            let of_environment = environment_power(environment);
+            if of_environment > 0.0 {
+                power.push(of_environment);
+                lights.push(Emitter::Environment);
+            }
+        }
+        let weights: Vec<f64> = lights
+            .iter()
+            .zip(&power)
+            .map(|(light, &power)| match (strategy, light, selection) {
+                (Strategy::Bsdf, Emitter::Area { .. } | Emitter::Environment, _) => 0.0,
+                (_, _, LightSelection::Uniform) => 1.0,
+                (_, _, LightSelection::Power) => power,
+            })
+            .collect();
+        Self {
+            lights,
+            selection: AliasTable::new(&weights),
+        }
+    }
+
+    /// Probability with which light selection chooses light `index`.
+    pub fn probability(&self, index: usize) -> f64 {
+        self.selection
+            .as_ref()
+            .map_or(0.0, |t| t.probability[index])
+    }
+}
+
+fn normalized(light: &Light, n: &Normalization) -> Light {
+    match *light {
+        Light::Point {
+            position,
+            intensity,
+        } => Light::Point {
+            position: n.point(position),
+            intensity: n.intensity(intensity),
+        },
+        Light::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+        } => Light::Spot {
+            position: n.point(position),
+            direction,
+            intensity: n.intensity(intensity),
+            inner_angle,
+            outer_angle,
+        },
+        directional @ Light::Directional { .. } => directional,
+    }
+}
+
+/// Power of a normalised light; directional lights and the environment shine on a scene of radius 1.
+fn delta_power(light: &Light) -> f64 {
+    match *light {
+        Light::Point { intensity, .. } => 4.0 * PI * luminance(intensity),
+        Light::Spot {
+            intensity,
+            inner_angle,
+            outer_angle,
+            ..
+        } => {
+            let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
+            2.0 * PI * ((1.0 - inner) + (inner - outer) / 3.0) * luminance(intensity)
+        }
+        Light::Directional { irradiance, .. } => PI * luminance(irradiance),
+    }
+}
+
+fn environment_power(environment: &Environment) -> f64 {
+    let mean = match &environment.radiance {
+        EnvironmentRadiance::Constant(radiance) => luminance(*radiance),
+        EnvironmentRadiance::Map(map) => {
+            let height = f64::from(map.height);
+            let width = map.width as usize;
+            let rows = map
+                .texels
+                .chunks_exact(width)
+                .enumerate()
+                .map(|(row, texels)| {
+                    let sum: f64 = texels.iter().map(|t| texel_luminance(*t)).sum();
+                    0.5 * row_height(row as f64, height) * sum / width as f64
+                });
+            rows.sum()
+        }
+    };
+    4.0 * PI * PI * mean * environment.scale
+}
+
+/// Luminance of a texel.
+pub fn texel_luminance(texel: [f32; 3]) -> f64 {
+    luminance(DVec3::from(texel.map(f64::from)))
+}
+
+/// Height in z = cosθ of row `row` of a latitude-longitude map: 2 sin(π (row+½)/H) sin(π/2H).
+pub fn row_height(row: f64, height: f64) -> f64 {
+    2.0 * (PI * (row + 0.5) / height).sin() * (PI / (2.0 * height)).sin()
+}

@@ -1,0 +1,189 @@
+//! The adapter and the device.
+
+use crate::error::GpuError;
+use serde::Serialize;
+
+/// What is known of an adapter.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct AdapterFacts {
+    /// The adapter's name.
+    pub name: String,
+    /// Driver and version.
+    pub driver: String,
+    /// `vulkan`, `metal` or `dx12`.
+    pub backend: String,
+    /// Whether it is a CPU pretending to be a GPU.
+    pub software: bool,
+}
+
+impl AdapterFacts {
+    fn of(info: &wgpu::AdapterInfo) -> Self {
+        Self {
+            name: info.name.clone(),
+            driver: format!("{} {}", info.driver, info.driver_info)
+                .trim()
+                .to_owned(),
+            backend: info.backend.to_string(),
+            software: info.device_type == wgpu::DeviceType::Cpu,
+        }
+    }
+}
+
+/// An open device.
+#[derive(Debug)]
+pub struct Context {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// What is known of the adapter.
+    pub adapter: AdapterFacts,
+    /// The limits that the device was opened with: all that the adapter has.
+    pub limits: wgpu::Limits,
+}
+
+/// The adapters of this machine: fast ones first, software last.
+pub fn adapters() -> Vec<wgpu::Adapter> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::PRIMARY,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    let mut found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+    found.sort_by_key(|a| match a.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    });
+    found
+}
+
+impl Context {
+    /// Opens the first adapter whose name or driver contains `wanted` (any case), or the best one.
+    ///
+    /// # Errors
+    /// There is no adapter, none with that name, or its device cannot be opened.
+    pub fn new(wanted: Option<&str>) -> Result<Self, GpuError> {
+        let all = adapters();
+        if all.is_empty() {
+            return Err(GpuError::NoAdapter);
+        }
+        let adapter =
+            match wanted {
+                None => &all[0],
+                Some(wanted) => all.iter().find(|a| matches(a, wanted)).ok_or_else(|| {
+                    GpuError::NoSuchAdapter {
+                        wanted: wanted.to_owned(),
+                        available: all.iter().map(|a| a.get_info().name).collect(),
+                    }
+                })?,
+            };
+        Self::open(adapter)
+    }
+
+    /// Opens `adapter` with all the limits that it has.
+    ///
+    /// # Errors
+    /// The device cannot be opened.
+    pub fn open(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
+        let facts = AdapterFacts::of(&adapter.get_info());
+        let limits = adapter.limits();
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("direkt"),
+            required_limits: limits.clone(),
+            ..Default::default()
+        };
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|e| {
+                GpuError::Device {
+                    adapter: facts.name.clone(),
+                    message: e.to_string(),
+                }
+            })?;
+        Ok(Self {
+            device,
+            queue,
+            adapter: facts,
+            limits,
+        })
+    }
+
+    /// Runs `work` and turns what the driver reports meanwhile into an error.
+    ///
+    /// # Errors
+    /// wgpu reported a validation error, an internal one, or that memory ran out.
+    pub fn checked<T>(&self, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+        let scopes = [
+            wgpu::ErrorFilter::Internal,
+            wgpu::ErrorFilter::OutOfMemory,
+            wgpu::ErrorFilter::Validation,
+        ]
+        .map(|filter| self.device.push_error_scope(filter));
+        let result = work();
+        let mut first = None;
+        for scope in scopes.into_iter().rev() {
+            let error = pollster::block_on(scope.pop());
+            first = first.or(error);
+        }
+        match first {
+            None => Ok(result),
+            Some(error) => Err(self.driver_error(error.to_string())),
+        }
+    }
+
+    /// Waits until the device has done everything that was submitted.
+    ///
+    /// # Errors
+    /// The device was lost.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map(|_| ())
+            .map_err(|e| self.driver_error(format!("waiting failed: {e}")))
+    }
+
+    /// Reads a buffer that was created with `MAP_READ`, and hands its bytes to `read`.
+    ///
+    /// # Errors
+    /// The buffer cannot be mapped.
+    pub fn read<T>(
+        &self,
+        buffer: &wgpu::Buffer,
+        read: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, GpuError> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+            // The receiver lives until it has received, below.
+            let _ = sender.send(result);
+        });
+        self.wait()?;
+        let mapped = receiver
+            .recv()
+            .map_err(|e| self.driver_error(format!("mapping was dropped: {e}")))?;
+        mapped.map_err(|e| self.driver_error(format!("mapping failed: {e}")))?;
+        let view = buffer
+            .get_mapped_range(..)
+            .map_err(|e| self.driver_error(format!("mapping failed: {e}")))?;
+        let out = read(&view);
+        drop(view);
+        buffer.unmap();
+        Ok(out)
+    }
+
+    /// An error that names this adapter.
+    pub fn driver_error(&self, message: impl Into<String>) -> GpuError {
+        GpuError::Driver {
+            adapter: self.adapter.name.clone(),
+            message: message.into(),
+        }
+    }
+}
+
+fn matches(adapter: &wgpu::Adapter, wanted: &str) -> bool {
+    let facts = AdapterFacts::of(&adapter.get_info());
+    let wanted = wanted.to_lowercase();
+    [&facts.name, &facts.driver]
+        .iter()
+        .any(|s| s.to_lowercase().contains(&wanted))
+}

@@ -1,0 +1,1 @@
+//! Is this adapter fit to be trusted?

@@ -1,0 +1,107 @@
+//! Structs shared with the shaders. `tests/layout.rs` compares every member with `shaders/types.wesl`.
+
+use bytemuck::{Pod, Zeroable};
+
+/// `Frame` of `shaders/types.wesl`: what stays the same for a whole render.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Frame {
+    /// Centre of projection.
+    pub eye: [f32; 3],
+    /// Pixels per row.
+    pub width: u32,
+    /// Half the image plane's width at distance 1, to the right.
+    pub right: [f32; 3],
+    /// Rows.
+    pub height: u32,
+    /// Half the image plane's height at distance 1, upwards.
+    pub up: [f32; 3],
+    /// Seed of the random numbers.
+    pub seed: u32,
+    /// Unit viewing direction.
+    pub forward: [f32; 3],
+    /// 8 × 8 tiles per row of tiles.
+    pub tiles_per_row: u32,
+    /// Lower corner of the BVH's grid.
+    pub grid_origin: [f32; 3],
+    /// Reference to the BVH's root.
+    pub root: u32,
+    /// Grid cells per unit length.
+    pub grid_scale: [f32; 3],
+    /// Number of lights.
+    pub light_count: u32,
+    /// First row of the rotation from world space to the environment map's space.
+    pub environment_x: [f32; 3],
+    /// Texels per row of the environment map.
+    pub environment_width: u32,
+    /// Second row.
+    pub environment_y: [f32; 3],
+    /// Rows of the environment map.
+    pub environment_height: u32,
+    /// Third row.
+    pub environment_z: [f32; 3],
+    /// Probability that light selection chooses the environment.
+    pub environment_selection: f32,
+    /// Constant radiance, or the factor on the map's.
+    pub environment_radiance: [f32; 3],
+    /// Length beyond everything in the scene.
+    pub far: f32,
+    /// Cells of the environment's sampling grid per row and column.
+    pub environment_grid: [u32; 2],
+    /// Unused.
+    pub padding: [u32; 2],
+}
+
+/// `Dispatch` of `shaders/types.wesl`: what changes from dispatch to dispatch.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Dispatch {
+    /// Index of the first sample of the block, low and high word.
+    pub block_start: [u32; 2],
+    /// First tile of this dispatch, counted over the image.
+    pub first_tile: u32,
+    /// First tile of the bound region.
+    pub region_tile: u32,
+    /// Position in the block up to which every pixel is taken.
+    pub target_position: u32,
+    /// 1 starts the block afresh; with 0 every pixel goes on from where its state stands.
+    pub fresh: u32,
+    /// Unused.
+    pub padding: [u32; 2],
+}
+
+/// `PixelState` of `shaders/types.wesl`: one pixel's block of at most [`BLOCK_SAMPLES`] samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PixelState {
+    /// Mean radiance of the finite samples.
+    pub mean: [f32; 3],
+    /// Number of finite samples.
+    pub samples: u32,
+    /// Sum of squared deviations from the mean.
+    pub m2: [f32; 3],
+    /// Number of samples dropped because they were not finite.
+    pub dropped: u32,
+    /// Shadow rays traced.
+    pub shadow_rays: u32,
+    /// Rays traced in BSDF-sampled directions.
+    pub bsdf_rays: u32,
+    /// Position in the block of the first NaN sample, or `u32::MAX`.
+    pub first_nan: u32,
+    /// Position in the block of the first infinite sample, or `u32::MAX`.
+    pub first_infinite: u32,
+}
+
+/// Most samples that are accumulated in f32 before the host merges them in f64.
+pub const BLOCK_SAMPLES: u32 = 256;
+/// Pixels per side of a tile; a tile is a workgroup.
+pub const TILE: u32 = 8;
+/// Pixels per tile.
+pub const TILE_PIXELS: u32 = TILE * TILE;
+
+/// Position in its tile of the pixel that lane `lane` works on: Morton order.
+pub fn lane_pixel(lane: u32) -> (u32, u32) {
+    let x = (lane & 1) | ((lane >> 1) & 2) | ((lane >> 2) & 4);
+    let y = ((lane >> 1) & 1) | ((lane >> 2) & 2) | ((lane >> 3) & 4);
+    (x, y)
+}

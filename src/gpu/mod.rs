@@ -1,0 +1,14 @@
+//! Everything that touches wgpu: the device, shader linking, buffers, kernels.
+
+pub mod buffer;
+pub mod context;
+pub mod doctor;
+pub mod kernel;
+pub mod layout;
+pub mod scene_buffers;
+pub mod shader;
+
+pub use buffer::GpuBuffer;
+pub use context::{AdapterFacts, Context};
+pub use kernel::DirectKernel;
+pub use scene_buffers::SceneBuffers;

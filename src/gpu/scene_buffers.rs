@@ -1,0 +1,409 @@
+//! The scene as the GPU reads it.
+
+use super::buffer::GpuBuffer;
+use super::context::Context;
+use super::layout::{Frame, TILE};
+use crate::accel::{Node, Primitive, PrimitiveGeometry};
+use crate::emitters::{Emitter, Emitters, row_height, texel_luminance};
+use crate::error::GpuError;
+use crate::render::Prepared;
+use crate::scene::alias_table::AliasTable;
+use crate::scene::{EnvironmentMap, EnvironmentRadiance, FilmSize, Light, Scene};
+use glam::DVec3;
+
+/// Cells of the environment's sampling grid at most; larger maps are sampled in blocks of texels.
+const MAX_ENVIRONMENT_CELLS: usize = 1 << 21;
+
+/// One 16-byte word of a record.
+type Word = [u32; 4];
+
+/// The scene's buffers; record formats are those of `shaders/scene/fetch.wesl`.
+#[derive(Debug)]
+pub struct SceneBuffers {
+    /// Inner nodes of the BVH.
+    pub nodes: GpuBuffer<Node>,
+    /// Three words per primitive.
+    pub primitives: GpuBuffer<Word>,
+    /// Two words per material.
+    pub materials: GpuBuffer<Word>,
+    /// Four words per light.
+    pub lights: GpuBuffer<Word>,
+    /// One word per light.
+    pub light_alias: GpuBuffer<Word>,
+    /// The environment map, when there is one.
+    pub environment: Option<EnvironmentBuffers>,
+}
+
+/// An environment map and its sampling grid.
+#[derive(Debug)]
+pub struct EnvironmentBuffers {
+    /// One word per cell.
+    pub alias: GpuBuffer<Word>,
+    /// Radiance.
+    pub texels: wgpu::TextureView,
+    /// Cells per row and column.
+    pub grid: [u32; 2],
+}
+
+impl SceneBuffers {
+    /// Uploads a scene.
+    ///
+    /// # Errors
+    /// A buffer or the environment map is larger than the adapter binds, or memory runs out.
+    pub fn new(context: &Context, prepared: &Prepared) -> Result<Self, GpuError> {
+        let primitives = primitive_words(prepared);
+        let materials = material_words(&prepared.scene);
+        let lights = light_words(prepared);
+        let alias = prepared
+            .emitters
+            .selection
+            .as_ref()
+            .map(alias_words)
+            .unwrap_or_default();
+        for (what, bytes) in [
+            (
+                "the BVH's nodes",
+                size_of_val(prepared.bvh.nodes.as_slice()),
+            ),
+            ("the primitives", size_of_val(primitives.as_slice())),
+            ("the materials", size_of_val(materials.as_slice())),
+            ("the lights", size_of_val(lights.as_slice())),
+        ] {
+            check_size(context, what, bytes as u64)?;
+        }
+        let environment = match prepared.scene.environment.as_ref().map(|e| &e.radiance) {
+            Some(EnvironmentRadiance::Map(map)) if prepared.has_environment_map() => {
+                Some(environment_buffers(context, map)?)
+            }
+            _ => None,
+        };
+        let device = &context.device;
+        context.checked(|| Self {
+            nodes: GpuBuffer::storage(device, "scene.nodes", &prepared.bvh.nodes),
+            primitives: GpuBuffer::storage(device, "scene.primitives", &primitives),
+            materials: GpuBuffer::storage(device, "scene.materials", &materials),
+            lights: GpuBuffer::storage(device, "scene.lights", &lights),
+            light_alias: GpuBuffer::storage(device, "scene.light_alias", &alias),
+            environment,
+        })
+    }
+}
+
+fn check_size(context: &Context, what: &str, needed: u64) -> Result<(), GpuError> {
+    let limit = context
+        .limits
+        .max_storage_buffer_binding_size
+        .min(context.limits.max_buffer_size);
+    if needed <= limit {
+        return Ok(());
+    }
+    Err(GpuError::TooLarge {
+        what: what.to_owned(),
+        needed,
+        limit,
+        adapter: context.adapter.name.clone(),
+    })
+}
+
+/// A vector and one more component, as f32 bits.
+fn word(v: DVec3, w: u32) -> Word {
+    let [x, y, z] = v.as_vec3().to_array().map(f32::to_bits);
+    [x, y, z, w]
+}
+
+/// f64 to the bits of an f32.
+fn bits(x: f64) -> u32 {
+    (x as f32).to_bits()
+}
+
+const NO_LIGHT: u32 = u32::MAX;
+
+fn primitive_words(prepared: &Prepared) -> Vec<Word> {
+    let mut light_of = vec![NO_LIGHT; prepared.primitives.len()];
+    for (light, emitter) in prepared.emitters.lights.iter().enumerate() {
+        if let Emitter::Area { primitive, .. } = emitter {
+            light_of[*primitive as usize] = light as u32;
+        }
+    }
+    let words = prepared.primitives.iter().zip(&light_of);
+    words
+        .flat_map(|(p, &light)| one_primitive(&prepared.scene, p, light))
+        .collect()
+}
+
+fn one_primitive(scene: &Scene, p: &Primitive, light: u32) -> [Word; 3] {
+    let one_sided = !scene.materials[p.material.index()].double_sided;
+    let head = |kind: u32| kind | u32::from(one_sided) << 2 | p.material.0 << 3;
+    let planar = |kind: u32, a: DVec3, u: DVec3, v: DVec3| {
+        [word(a, head(kind)), word(a + u, light), word(a + v, 0)]
+    };
+    match p.geometry {
+        PrimitiveGeometry::Triangle { a, u, v } => planar(0, a, u, v),
+        PrimitiveGeometry::Rectangle { a, u, v } => planar(1, a, u, v),
+        PrimitiveGeometry::Disk { a, u, v } => planar(2, a, u, v),
+        PrimitiveGeometry::Sphere { center, radius } => [
+            word(center, head(3)),
+            word(DVec3::new(radius, 0.0, 0.0), light),
+            [0; 4],
+        ],
+    }
+}
+
+fn material_words(scene: &Scene) -> Vec<Word> {
+    let words = scene.materials.iter().flat_map(|m| {
+        let p = m.bsdf.parameters();
+        let (f0, alpha) = p.specular.map_or((DVec3::ZERO, 0.0), |s| (s.f0, s.alpha));
+        [word(p.diffuse, bits(alpha)), word(f0, 0)]
+    });
+    words.collect()
+}
+
+const LIGHT_POINT: u32 = 4;
+const LIGHT_SPOT: u32 = 5;
+const LIGHT_DIRECTIONAL: u32 = 6;
+const LIGHT_ENVIRONMENT: u32 = 7;
+const TWO_SIDED: u32 = 8;
+
+fn light_words(prepared: &Prepared) -> Vec<Word> {
+    let emitters: &Emitters = &prepared.emitters;
+    let words = emitters
+        .lights
+        .iter()
+        .enumerate()
+        .flat_map(|(index, emitter)| {
+            let pmf = bits(emitters.probability(index));
+            match *emitter {
+                Emitter::Area {
+                    primitive,
+                    radiance,
+                    two_sided,
+                } => area_light(
+                    &prepared.primitives[primitive as usize].geometry,
+                    radiance,
+                    two_sided,
+                    pmf,
+                ),
+                Emitter::Delta(light) => delta_light(&light, pmf),
+                Emitter::Environment => {
+                    [[0, 0, 0, LIGHT_ENVIRONMENT], [0, 0, 0, pmf], [0; 4], [0; 4]]
+                }
+            }
+        });
+    words.collect()
+}
+
+fn area_light(
+    geometry: &PrimitiveGeometry,
+    radiance: DVec3,
+    two_sided: bool,
+    pmf: u32,
+) -> [Word; 4] {
+    let flags = if two_sided { TWO_SIDED } else { 0 };
+    let (kind, a, u, v) = match *geometry {
+        PrimitiveGeometry::Triangle { a, u, v } => (0, a, u, v),
+        PrimitiveGeometry::Rectangle { a, u, v } => (1, a, u, v),
+        PrimitiveGeometry::Disk { a, u, v } => (2, a, u, v),
+        PrimitiveGeometry::Sphere { center, radius } => {
+            (3, center, DVec3::new(radius, 0.0, 0.0), DVec3::ZERO)
+        }
+    };
+    [
+        word(a, kind | flags),
+        word(u, pmf),
+        word(v, bits(geometry.area())),
+        word(radiance, 0),
+    ]
+}
+
+/// Largest reciprocal of a spot's falloff range: equal angles make a step.
+const SPOT_STEP: f64 = 1_048_576.0;
+
+fn delta_light(light: &Light, pmf: u32) -> [Word; 4] {
+    match *light {
+        Light::Point {
+            position,
+            intensity,
+        } => [
+            word(position, LIGHT_POINT),
+            word(DVec3::ZERO, pmf),
+            [0; 4],
+            word(intensity, 0),
+        ],
+        Light::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+        } => {
+            let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
+            let inv_range = (1.0 / (inner - outer).max(1.0 / SPOT_STEP)).min(SPOT_STEP);
+            [
+                word(position, LIGHT_SPOT),
+                word(direction, pmf),
+                word(DVec3::new(outer, inv_range, 0.0), 0),
+                word(intensity, 0),
+            ]
+        }
+        Light::Directional {
+            direction,
+            irradiance,
+        } => [
+            word(-direction, LIGHT_DIRECTIONAL),
+            word(DVec3::ZERO, pmf),
+            [0; 4],
+            word(irradiance, 0),
+        ],
+    }
+}
+
+/// Threshold, alias, probability of the index itself and of its alias.
+fn alias_words(table: &AliasTable) -> Vec<Word> {
+    let words = table.entries.iter().enumerate().map(|(i, e)| {
+        let p = |i: usize| bits(table.probability[i]);
+        [e.threshold, e.alias, p(i), p(e.alias as usize)]
+    });
+    words.collect()
+}
+
+fn environment_buffers(
+    context: &Context,
+    map: &EnvironmentMap,
+) -> Result<EnvironmentBuffers, GpuError> {
+    let side = u64::from(map.width.max(map.height));
+    let limit = u64::from(context.limits.max_texture_dimension_2d);
+    if side > limit {
+        return Err(GpuError::TooLarge {
+            what: format!(
+                "environment map {} ({} × {} texels): a side",
+                map.source, map.width, map.height
+            ),
+            needed: side * 16,
+            limit: limit * 16,
+            adapter: context.adapter.name.clone(),
+        });
+    }
+    let (grid, weights) = environment_weights(map);
+    let table = AliasTable::new(&weights).expect("a map without light is not an emitter");
+    let words = alias_words(&table);
+    context.checked(|| EnvironmentBuffers {
+        alias: GpuBuffer::storage(&context.device, "scene.environment_alias", &words),
+        texels: upload_texels(context, map),
+        grid,
+    })
+}
+
+/// The sampling grid and per cell the luminance times solid angle of its texels.
+fn environment_weights(map: &EnvironmentMap) -> ([u32; 2], Vec<f64>) {
+    let (width, height) = (map.width as usize, map.height as usize);
+    let mut block = 1;
+    while (width / block) * (height / block) > MAX_ENVIRONMENT_CELLS
+        || (block > 1 && (!width.is_multiple_of(block) || !height.is_multiple_of(block)))
+    {
+        block += 1;
+        if block >= width.min(height) {
+            // A map whose sides share no factor: one cell per row.
+            return ([1, map.height], rows_weights(map));
+        }
+    }
+    let (columns, rows) = (width / block, height / block);
+    let mut weights = vec![0.0; columns * rows];
+    for (y, texels) in map.texels.chunks_exact(width).enumerate() {
+        let dz = row_height(y as f64, height as f64);
+        for (x, &texel) in texels.iter().enumerate() {
+            weights[(y / block) * columns + x / block] += dz * texel_luminance(texel);
+        }
+    }
+    ([columns as u32, rows as u32], weights)
+}
+
+fn rows_weights(map: &EnvironmentMap) -> Vec<f64> {
+    let rows = map.texels.chunks_exact(map.width as usize).enumerate();
+    rows.map(|(y, texels)| {
+        let sum: f64 = texels.iter().map(|&t| texel_luminance(t)).sum();
+        sum * row_height(y as f64, f64::from(map.height))
+    })
+    .collect()
+}
+
+fn upload_texels(context: &Context, map: &EnvironmentMap) -> wgpu::TextureView {
+    let size = wgpu::Extent3d {
+        width: map.width,
+        height: map.height,
+        depth_or_array_layers: 1,
+    };
+    let texture = context.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("scene.environment"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let texels: Vec<[f32; 4]> = map.texels.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
+    context.queue.write_texture(
+        texture.as_image_copy(),
+        bytemuck::cast_slice(&texels),
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(map.width * 16),
+            rows_per_image: None,
+        },
+        size,
+    );
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// The uniform that stays the same for a render.
+pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuffers) -> Frame {
+    let camera = &prepared.scene.camera;
+    let n = &prepared.normalization;
+    let half_height = (0.5 * camera.fov_y).tan();
+    let f3 = |v: DVec3| v.as_vec3().to_array();
+    let eye = n.point(camera.eye);
+    let mut frame = Frame {
+        eye: f3(eye),
+        width: film.width,
+        right: f3(camera.right * (half_height * film.aspect())),
+        height: film.height,
+        up: f3(camera.up * half_height),
+        seed,
+        forward: f3(camera.forward),
+        tiles_per_row: film.width.div_ceil(TILE),
+        grid_origin: prepared.bvh.grid_origin.to_array(),
+        root: prepared.bvh.root,
+        grid_scale: prepared.bvh.grid_scale.to_array(),
+        light_count: prepared.emitters.lights.len() as u32,
+        far: 4.0,
+        ..Frame::default()
+    };
+    if let Some(environment) = &prepared.scene.environment {
+        let to_map = environment.rotation.transpose();
+        let row = |i: usize| f3(to_map.row(i));
+        [
+            frame.environment_x,
+            frame.environment_y,
+            frame.environment_z,
+        ] = [row(0), row(1), row(2)];
+        let index = prepared
+            .emitters
+            .lights
+            .iter()
+            .position(|l| *l == Emitter::Environment);
+        frame.environment_selection =
+            index.map_or(0.0, |i| prepared.emitters.probability(i)) as f32;
+        match &environment.radiance {
+            EnvironmentRadiance::Constant(radiance) => {
+                frame.environment_radiance = f3(*radiance * environment.scale);
+            }
+            EnvironmentRadiance::Map(map) => {
+                frame.environment_radiance = [environment.scale as f32; 3];
+                [frame.environment_width, frame.environment_height] = [map.width, map.height];
+            }
+        }
+    }
+    frame.environment_grid = buffers.environment.as_ref().map_or([1, 1], |e| e.grid);
+    frame
+}

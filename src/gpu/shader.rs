@@ -1,0 +1,129 @@
+//! Links WESL modules into one WGSL module.
+
+use crate::error::GpuError;
+use include_dir::{Dir, include_dir};
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use wesl::{ManglerKind, ModulePath, VirtualResolver, Wesl};
+
+static EMBEDDED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
+
+/// Names a folder that shaders are read from instead of those in the binary.
+pub const SHADERS_VARIABLE: &str = "DIREKT_SHADERS";
+
+/// Values that differ between kernels and that WGSL needs as constants; they appear in the module `package::config`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Config {
+    /// Entries of the traversal's stack.
+    pub stack_depth: u32,
+}
+
+impl Config {
+    fn to_wesl(self) -> String {
+        format!("const STACK_DEPTH: u32 = {}u;\n", self.stack_depth)
+    }
+}
+
+/// Links `entry` (for example `kernel::direct`) with the given features and returns plain WGSL.
+///
+/// # Errors
+/// A module is missing, or WESL finds a mistake in one.
+pub fn link<'a>(
+    entry: &str,
+    features: impl IntoIterator<Item = (&'a str, bool)>,
+    config: Config,
+) -> Result<String, GpuError> {
+    link_with(entry, None, features, config)
+}
+
+/// Like [`link`], for an entry module whose text is `source` (test kernels).
+pub fn link_with<'a>(
+    entry: &str,
+    source: Option<&str>,
+    features: impl IntoIterator<Item = (&'a str, bool)>,
+    config: Config,
+) -> Result<String, GpuError> {
+    let fail = |message: String| GpuError::Shader {
+        entry: entry.to_owned(),
+        message,
+    };
+    let mut resolver = VirtualResolver::new();
+    let mut add = |name: &str, text: String| -> Result<(), GpuError> {
+        let path: ModulePath = format!("package::{name}")
+            .parse()
+            .map_err(|e| fail(format!("module name `{name}`: {e}")))?;
+        resolver.add_module(path, Cow::Owned(text));
+        Ok(())
+    };
+    for (name, text) in modules().map_err(&fail)? {
+        add(&name, text)?;
+    }
+    add("config", config.to_wesl())?;
+    if let Some(source) = source {
+        add(entry, source.to_owned())?;
+    }
+    let mut compiler = Wesl::new_barebones().set_custom_resolver(resolver);
+    compiler.set_options(wesl::CompileOptions {
+        imports: true,
+        condcomp: true,
+        strip: true,
+        lazy: true,
+        validate: false,
+        ..Default::default()
+    });
+    compiler.set_mangler(ManglerKind::None);
+    compiler.use_sourcemap(true);
+    compiler.set_features(features);
+    let root: ModulePath = format!("package::{entry}")
+        .parse()
+        .map_err(|e| fail(format!("entry: {e}")))?;
+    compiler
+        .compile(&root)
+        .map(|linked| linked.to_string())
+        .map_err(|e| fail(e.to_string()))
+}
+
+/// All modules as (`light::triangle`, text).
+fn modules() -> Result<Vec<(String, String)>, String> {
+    match std::env::var_os(SHADERS_VARIABLE) {
+        Some(folder) => on_disk(Path::new(&folder)),
+        None => Ok(embedded(&EMBEDDED)),
+    }
+}
+
+fn embedded(dir: &Dir<'_>) -> Vec<(String, String)> {
+    let mut out: Vec<_> = dir
+        .files()
+        .filter_map(|f| Some((module_name(f.path())?, f.contents_utf8()?.to_owned())))
+        .collect();
+    out.extend(dir.dirs().flat_map(embedded));
+    out
+}
+
+fn on_disk(folder: &Path) -> Result<Vec<(String, String)>, String> {
+    let mut out = Vec::new();
+    let mut pending: Vec<PathBuf> = vec![folder.to_path_buf()];
+    while let Some(dir) = pending.pop() {
+        let problem = |e: std::io::Error| format!("{SHADERS_VARIABLE}: {}: {e}", dir.display());
+        for entry in std::fs::read_dir(&dir).map_err(problem)? {
+            let path = entry.map_err(problem)?.path();
+            if path.is_dir() {
+                pending.push(path);
+            } else if let Some(name) = path.strip_prefix(folder).ok().and_then(module_name) {
+                let text = std::fs::read_to_string(&path)
+                    .map_err(|e| format!("{SHADERS_VARIABLE}: {}: {e}", path.display()))?;
+                out.push((name, text));
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// `light/triangle.wesl` → `light::triangle`; `None` for other files.
+fn module_name(path: &Path) -> Option<String> {
+    if path.extension()? != "wesl" {
+        return None;
+    }
+    let parts: Option<Vec<&str>> = path.iter().map(|p| p.to_str()).collect();
+    Some(parts?.join("::").trim_end_matches(".wesl").to_owned())
+}
