@@ -1,1 +1,5 @@
-fn main() {}
+//! The `direkt` command.
+
+fn main() -> std::process::ExitCode {
+    direkt::cli::main()
+}

@@ -17,7 +17,7 @@ pub struct AdapterFacts {
 }
 
 impl AdapterFacts {
-    fn of(info: &wgpu::AdapterInfo) -> Self {
+    pub(crate) fn of(info: &wgpu::AdapterInfo) -> Self {
         Self {
             name: info.name.clone(),
             driver: format!("{} {}", info.driver, info.driver_info)
@@ -180,7 +180,7 @@ impl Context {
     }
 }
 
-fn matches(adapter: &wgpu::Adapter, wanted: &str) -> bool {
+pub(crate) fn matches(adapter: &wgpu::Adapter, wanted: &str) -> bool {
     let facts = AdapterFacts::of(&adapter.get_info());
     let wanted = wanted.to_lowercase();
     [&facts.name, &facts.driver]

@@ -46,6 +46,11 @@ impl Prepared {
         }
     }
 
+    /// Entries of the traversal's stack, in steps of four so that few kernels differ by it alone.
+    pub fn stack_depth(&self) -> u32 {
+        (self.bvh.depth.max(1) as u32).next_multiple_of(4)
+    }
+
     /// Whether an environment map is uploaded.
     pub fn has_environment_map(&self) -> bool {
         self.effects.contains(Effect::EnvironmentMap)

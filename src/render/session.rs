@@ -105,7 +105,7 @@ impl<'a> Session<'a> {
         let buffers = SceneBuffers::new(context, prepared)?;
         let start = Instant::now();
         let config = Config {
-            stack_depth: (prepared.bvh.depth.max(1) as u32).next_multiple_of(4),
+            stack_depth: prepared.stack_depth(),
         };
         let kernel = DirectKernel::new(context, &prepared.effects, config)?;
         let compile_seconds = start.elapsed().as_secs_f64();

@@ -1,0 +1,86 @@
+//! The progress bar of a render, on stderr.
+
+use crate::error::GpuError;
+use crate::render::{ImageError, Session};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::time::{Duration, Instant};
+
+/// Shortest time between two looks at the image's error.
+const LOOK_INTERVAL: Duration = Duration::from_secs(1);
+/// Looking at the error may take this fraction of the time.
+const LOOK_SHARE: u32 = 50;
+
+/// Shows pass, samples/s, rays/s, error so far and the time left. Silent where stderr is no terminal.
+pub struct Progress {
+    bar: ProgressBar,
+    start: Instant,
+    spp: u64,
+    time: Option<Duration>,
+    next_look: Instant,
+    error: Option<ImageError>,
+    rays_per_sample: f64,
+}
+
+impl Progress {
+    /// A bar for `spp` samples per pixel or `time`, whichever comes first.
+    pub fn new(spp: u64, time: Option<Duration>, quiet: bool) -> Self {
+        let bar = if quiet {
+            ProgressBar::hidden()
+        } else {
+            ProgressBar::new(1000)
+        };
+        let style = ProgressStyle::with_template("{bar:24} {percent:>3} % {msg}")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
+        bar.set_style(style);
+        let start = Instant::now();
+        Self {
+            bar,
+            start,
+            spp,
+            time,
+            next_look: start + LOOK_INTERVAL,
+            error: None,
+            rays_per_sample: 1.0,
+        }
+    }
+
+    /// Tells how far `session` is after `passes` passes over `pixels` pixels.
+    pub fn update(
+        &mut self,
+        session: &Session<'_>,
+        passes: u64,
+        pixels: usize,
+    ) -> Result<(), GpuError> {
+        if self.bar.is_hidden() {
+            return Ok(());
+        }
+        let now = Instant::now();
+        if now >= self.next_look {
+            let (film, rays) = session.snapshot()?;
+            self.error = film.error();
+            self.rays_per_sample = rays.total() as f64 / rays.camera.max(1) as f64;
+            self.next_look = now + LOOK_INTERVAL.max(now.elapsed() * LOOK_SHARE);
+        }
+        let seconds = self.start.elapsed().as_secs_f64();
+        let by_samples = session.samples() as f64 / self.spp as f64;
+        let by_time = self.time.map_or(0.0, |t| seconds / t.as_secs_f64());
+        let done = by_samples.max(by_time).clamp(0.0, 1.0);
+        let rate = session.samples() as f64 * pixels as f64 / seconds / 1e6;
+        let error = self
+            .error
+            .map_or_else(String::new, |e| format!(" · relMSE {:.2e}", e.rel_mse));
+        let left = seconds / done.max(1e-9) * (1.0 - done);
+        self.bar.set_position((done * 1000.0) as u64);
+        self.bar.set_message(format!(
+            "pass {passes} · {} spp · {rate:.1} M samples/s · {:.1} M rays/s{error} · {left:.0} s left",
+            session.samples(),
+            rate * self.rays_per_sample,
+        ));
+        Ok(())
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

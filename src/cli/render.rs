@@ -1,0 +1,349 @@
+//! `direkt render`: a scene file in, images out.
+
+use super::outputs::OutputArguments;
+use super::progress::Progress;
+use super::{AdapterArgument, JsonArgument};
+use crate::error::Error;
+use crate::gpu::{AdapterFacts, Context};
+use crate::render::{Film, ImageError, Ledger, Prepared, RayCounts, Session, StopReason};
+use crate::scene::load::{LoadOptions, load};
+use crate::scene::{FilmSize, LightSelection, Scene, Strategy, validate};
+use serde::Serialize;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Arguments of `direkt render`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The scene: .toml, .gltf or .glb
+    scene: PathBuf,
+    #[command(flatten)]
+    outputs: OutputArguments,
+    #[command(flatten)]
+    settings: SettingsArguments,
+    /// Further folder in which files that the scene names are looked up; may be repeated
+    #[arg(long, value_name = "DIR")]
+    assets: Vec<PathBuf>,
+    /// No progress and no summary on stderr
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    adapter: AdapterArgument,
+    #[command(flatten)]
+    json: JsonArgument,
+}
+
+/// Flags that override the scene's `[render]` table.
+#[derive(Debug, clap::Args)]
+struct SettingsArguments {
+    /// Samples per pixel
+    #[arg(long)]
+    spp: Option<u64>,
+    /// Stop after this many seconds of rendering; without --spp nothing else stops it
+    #[arg(long, value_name = "SECONDS")]
+    time: Option<f64>,
+    /// Seed of the random numbers
+    #[arg(long)]
+    seed: Option<u32>,
+    /// How directions are chosen
+    #[arg(long, value_enum)]
+    strategy: Option<Strategy>,
+    /// How one of several lights is chosen
+    #[arg(long, value_enum)]
+    light_selection: Option<LightSelection>,
+    /// Size of the image
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
+    size: Option<FilmSize>,
+}
+
+fn parse_size(text: &str) -> Result<FilmSize, String> {
+    let wrong = || {
+        format!(
+            "expected WIDTHxHEIGHT such as 640x480, each from 1 to {}",
+            FilmSize::MAX_SIDE
+        )
+    };
+    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+    let side = |s: &str| {
+        let side = s
+            .parse()
+            .ok()
+            .filter(|n| (1..=FilmSize::MAX_SIDE).contains(n));
+        side.ok_or_else(wrong)
+    };
+    Ok(FilmSize {
+        width: side(width)?,
+        height: side(height)?,
+    })
+}
+
+impl SettingsArguments {
+    fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
+        let render = &mut scene.render;
+        if self.time.is_some() {
+            render.time = self.time;
+            render.spp = u64::MAX;
+        }
+        render.spp = self.spp.unwrap_or(render.spp);
+        render.seed = self.seed.unwrap_or(render.seed);
+        render.strategy = self.strategy.unwrap_or(render.strategy);
+        render.light_selection = self.light_selection.unwrap_or(render.light_selection);
+        scene.film = self.size.unwrap_or(scene.film);
+        if render.spp == 0 {
+            return Err(Error::Usage(
+                "--spp 0: at least 1 sample per pixel is needed".into(),
+            ));
+        }
+        if render.time.is_some_and(|t| !(t > 0.0 && t.is_finite())) {
+            return Err(Error::Usage(format!(
+                "--time {}: a positive number of seconds is needed",
+                render.time.unwrap_or_default()
+            )));
+        }
+        validate::validate(scene)
+    }
+}
+
+/// What `--json` writes.
+#[derive(Debug, Serialize)]
+struct Report {
+    direkt: &'static str,
+    scene: String,
+    adapter: AdapterFacts,
+    width: u32,
+    height: u32,
+    spp: u64,
+    passes: u64,
+    interrupted: bool,
+    seconds: Seconds,
+    rays: RayCounts,
+    samples_per_second: f64,
+    rays_per_second: f64,
+    error: Option<ImageError>,
+    non_finite: Ledger,
+    effects: Vec<EffectReport>,
+    strategy: Strategy,
+    light_selection: LightSelection,
+    sampler: &'static str,
+    seed: u32,
+    image_mean: [f64; 3],
+    image_mean_standard_error: Option<[f64; 3]>,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Seconds {
+    load: f64,
+    accel: f64,
+    compile: f64,
+    render: f64,
+    total: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct EffectReport {
+    name: &'static str,
+    reason: String,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
+    let start = Instant::now();
+    arguments.outputs.check(&arguments.scene)?;
+    let options = LoadOptions {
+        assets: arguments.assets.clone(),
+    };
+    let mut scene = load(&arguments.scene, &options)?;
+    arguments.settings.apply(&mut scene)?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    for warning in &scene.warnings {
+        eprintln!("direkt: warning: {}: {warning}", arguments.scene.display());
+    }
+    let settings = scene.render;
+    let film_size = scene.film;
+    let context = Context::new(arguments.adapter.adapter.as_deref())?;
+    let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    let mut session = Session::new(&context, &prepared, film_size, settings.seed)?;
+
+    let interrupted = stop_on_interrupt();
+    let time = settings.time.map(Duration::from_secs_f64);
+    let quiet = arguments.quiet || arguments.json.is_stdout();
+    let mut progress = Progress::new(settings.spp, time, quiet);
+    let render_start = Instant::now();
+    let mut passes = 0;
+    let out_of_time = || time.is_some_and(|t| render_start.elapsed() >= t);
+    while session.samples() < settings.spp {
+        let samples = session.pass_samples(settings.spp - session.samples());
+        // The first pass is finished whatever the time, so that there is an image.
+        let first = session.samples() == 0;
+        let stop = || interrupted.load(Ordering::Relaxed) || (!first && out_of_time());
+        if session.pass(samples, stop)? == StopReason::Interrupted {
+            break;
+        }
+        passes += 1;
+        progress.update(&session, passes, film_size.pixels())?;
+    }
+    let render_seconds = render_start.elapsed().as_secs_f64();
+    let (film, rays) = session.snapshot()?;
+    progress.finish();
+
+    let report = Report {
+        direkt: env!("CARGO_PKG_VERSION"),
+        scene: arguments.scene.display().to_string(),
+        adapter: context.adapter.clone(),
+        width: film_size.width,
+        height: film_size.height,
+        spp: film.sample_range().1,
+        passes,
+        interrupted: interrupted.load(Ordering::Relaxed),
+        seconds: Seconds {
+            load: load_seconds,
+            accel: prepared.accel_seconds,
+            compile: session.compile_seconds,
+            render: render_seconds,
+            total: start.elapsed().as_secs_f64(),
+        },
+        rays,
+        samples_per_second: rays.camera as f64 / render_seconds,
+        rays_per_second: rays.total() as f64 / render_seconds,
+        error: film.error(),
+        non_finite: film.ledger,
+        effects: effect_reports(&prepared),
+        strategy: settings.strategy,
+        light_selection: settings.light_selection,
+        sampler: "independent",
+        seed: settings.seed,
+        image_mean: film.mean(),
+        image_mean_standard_error: film.standard_error_of_mean(),
+        warnings: prepared.scene.warnings.clone(),
+    };
+    finish(arguments, &film, &report, quiet)
+}
+
+fn finish(
+    arguments: &Arguments,
+    film: &Film,
+    report: &Report,
+    quiet: bool,
+) -> Result<ExitCode, Error> {
+    arguments.outputs.write(film, &attributes(report))?;
+    arguments.json.write(report)?;
+    if !quiet {
+        eprintln!("{}", summary(arguments, report));
+    }
+    if report.non_finite.dropped > 0 {
+        eprintln!("direkt: warning: {}", ledger_sentence(&report.non_finite));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn effect_reports(prepared: &Prepared) -> Vec<EffectReport> {
+    let effects = prepared
+        .effects
+        .iter()
+        .map(|(effect, reason)| EffectReport {
+            name: effect.name(),
+            reason: reason.to_owned(),
+        });
+    effects.collect()
+}
+
+/// Sets a flag at Ctrl-C; a second Ctrl-C ends the process at once.
+fn stop_on_interrupt() -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let seen = Arc::clone(&flag);
+    // A handler that cannot be installed leaves the default: Ctrl-C ends the process.
+    let _ = ctrlc::set_handler(move || {
+        if seen.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    flag
+}
+
+/// The EXR's attributes.
+fn attributes(report: &Report) -> Vec<(&'static str, String)> {
+    vec![
+        ("command", std::env::args().collect::<Vec<_>>().join(" ")),
+        ("scene", report.scene.clone()),
+        ("adapter", report.adapter.name.clone()),
+        ("driver", report.adapter.driver.clone()),
+        ("seed", report.seed.to_string()),
+        ("spp", report.spp.to_string()),
+        ("seconds", format!("{:.3}", report.seconds.render)),
+        ("direkt", report.direkt.to_owned()),
+        ("strategy", report.strategy.to_string()),
+        ("light_selection", report.light_selection.to_string()),
+        ("sampler", report.sampler.to_owned()),
+    ]
+}
+
+fn summary(arguments: &Arguments, report: &Report) -> String {
+    let files: Vec<String> = arguments
+        .outputs
+        .output
+        .iter()
+        .map(|p| p.display().to_string())
+        .collect();
+    let error = report.error.map_or_else(
+        || "error unknown".to_owned(),
+        |e| {
+            format!(
+                "relMSE {:.3e} [{:.3e}, {:.3e}]",
+                e.rel_mse, e.rel_mse_low, e.rel_mse_high
+            )
+        },
+    );
+    format!(
+        "{}: {} × {}, {} spp in {:.2} s ({:.1} M samples/s, {:.1} M rays/s), {error}\n{} on {} ({})",
+        files.join(", "),
+        report.width,
+        report.height,
+        report.spp,
+        report.seconds.render,
+        report.samples_per_second / 1e6,
+        report.rays_per_second / 1e6,
+        report.strategy,
+        report.adapter.name,
+        report.adapter.driver,
+    )
+}
+
+fn ledger_sentence(ledger: &Ledger) -> String {
+    let first = |kind: &str, bad: Option<crate::render::FirstBad>| {
+        bad.map_or_else(String::new, |b| {
+            format!(
+                "; first {kind} at pixel ({}, {}), sample {}",
+                b.x, b.y, b.sample
+            )
+        })
+    };
+    format!(
+        "{} samples were not finite and were dropped{}{}",
+        ledger.dropped,
+        first("NaN", ledger.first_nan),
+        first("infinity", ledger.first_infinite),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_parsed_and_checked() {
+        assert_eq!(
+            parse_size("640x480"),
+            Ok(FilmSize {
+                width: 640,
+                height: 480
+            })
+        );
+        for wrong in ["640", "0x4", "4x", "-1x4", "40000x4", "4x4x4"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+}

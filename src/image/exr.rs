@@ -1,0 +1,64 @@
+//! 32-bit float images: radiance (`R`, `G`, `B`), the number of samples (`samples`) and the standard error of
+//! each mean (`standard_error.R`, …), with what produced them as attributes.
+
+use super::write_atomically;
+use crate::error::Error;
+use crate::render::Film;
+use ::exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, ImageAttributes, Layer,
+    LayerAttributes, Text, WritableImage,
+};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Writes the film with `attributes` (name, text).
+///
+/// Where a pixel has fewer than two samples its standard error is not known: there stands [`UNKNOWN_ERROR`].
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write(path: &Path, film: &Film, attributes: &[(&str, String)]) -> Result<(), Error> {
+    let fail = |e: ::exr::error::Error| Error::Write {
+        path: path.to_path_buf(),
+        source: std::io::Error::other(e),
+    };
+    let channel = |name: &str, value: &(dyn Fn(usize) -> f32 + Sync)| {
+        let values: Vec<f32> = (0..film.pixels.len()).into_par_iter().map(value).collect();
+        AnyChannel::new(name, FlatSamples::F32(values))
+    };
+    let mut channels = Vec::new();
+    for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
+        channels.push(channel(name, &|i| film.pixels[i].mean[c] as f32));
+        channels.push(channel(&format!("standard_error.{name}"), &|i| {
+            film.pixels[i]
+                .variance_of_mean()
+                .map_or(UNKNOWN_ERROR, |v| v[c].sqrt() as f32)
+        }));
+    }
+    channels.push(channel("samples", &|i| film.pixels[i].samples as f32));
+    let size = (film.size.width as usize, film.size.height as usize);
+    let mut layer = LayerAttributes::default();
+    layer.software_name = Some(Text::from(concat!("direkt ", env!("CARGO_PKG_VERSION"))));
+    for (name, text) in attributes {
+        layer.other.insert(
+            Text::from(*name),
+            AttributeValue::Text(Text::from(text.as_str())),
+        );
+    }
+    let layer = Layer::new(
+        size,
+        layer,
+        Encoding::FAST_LOSSLESS,
+        AnyChannels::sort(channels.into_iter().collect()),
+    );
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    Image::empty(ImageAttributes::with_size(size))
+        .with_layer(layer)
+        .write()
+        .to_buffered(&mut bytes)
+        .map_err(fail)?;
+    write_atomically(path, &bytes.into_inner())
+}
+
+/// Stands in the standard-error channels where a pixel has fewer than two samples.
+pub const UNKNOWN_ERROR: f32 = -1.0;
