@@ -1,1 +1,301 @@
 //! Checks what types cannot say.
+//!
+//! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind may rely on it.
+
+use super::{
+    Bsdf, Camera, Emission, Environment, EnvironmentRadiance, FilmSize, Geometry, Light, Material,
+    Mesh, Scene, Shape,
+};
+use crate::error::{Error, InputError};
+use glam::{DMat3, DVec3};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Checks a whole scene: every number in its domain, every index in range, no geometry without extent.
+///
+/// # Errors
+/// [`Error::Input`] with [`Scene::source`] as the file and a field as the TOML format names it.
+pub fn validate(scene: &Scene) -> Result<(), Error> {
+    let check = Check {
+        file: &scene.source,
+    };
+    check.film(scene.film)?;
+    check.camera(&scene.camera)?;
+    for material in &scene.materials {
+        check.material(material)?;
+    }
+    for shape in &scene.shapes {
+        check.shape(shape, scene.materials.len())?;
+    }
+    for (index, light) in scene.lights.iter().enumerate() {
+        check.light(light, &format!("lights[{index}]"))?;
+    }
+    if let Some(environment) = &scene.environment {
+        check.environment(environment)?;
+    }
+    check.settings(scene)?;
+    Ok(())
+}
+
+/// Makes errors about one file.
+struct Check<'a> {
+    file: &'a std::path::Path,
+}
+
+type Outcome = Result<(), InputError>;
+
+impl Check<'_> {
+    fn require(
+        &self,
+        holds: bool,
+        field: impl FnOnce() -> String,
+        problem: impl FnOnce() -> String,
+        expected: &str,
+    ) -> Outcome {
+        if holds {
+            Ok(())
+        } else {
+            Err(InputError::new(self.file, field(), problem(), expected))
+        }
+    }
+
+    fn film(&self, film: FilmSize) -> Outcome {
+        for (side, key) in [(film.width, "width"), (film.height, "height")] {
+            self.require(
+                (1..=FilmSize::MAX_SIDE).contains(&side),
+                || format!("film.{key}"),
+                || format!("is {side}"),
+                "1 to 32768 pixels",
+            )?;
+        }
+        Ok(())
+    }
+
+    fn camera(&self, camera: &Camera) -> Outcome {
+        self.require(
+            camera.fov_y > 0.0 && camera.fov_y < PI,
+            || "camera.fov".to_owned(),
+            || format!("is {}", camera.fov_y.to_degrees()),
+            "an angle above 0 and below 180 degrees",
+        )?;
+        let frame = DMat3::from_cols(camera.right, camera.up, -camera.forward);
+        let off = frame.transpose() * frame - DMat3::IDENTITY;
+        self.require(
+            camera.eye.is_finite()
+                && off.to_cols_array().iter().all(|x| x.abs() < 1e-6)
+                && frame.determinant() > 0.0,
+            || "camera".to_owned(),
+            || "its frame is not orthonormal and finite".to_owned(),
+            "right × up = −forward, as Camera::look_at makes it",
+        )
+    }
+
+    fn material(&self, material: &Material) -> Outcome {
+        let field = |key: &str| format!("materials.{}.{key}", material.name);
+        let unit = |value: DVec3, key: &str| {
+            let holds = value.cmpge(DVec3::ZERO).all() && value.cmple(DVec3::ONE).all();
+            let problem = || format!("is {value}");
+            self.require(holds, || field(key), problem, "each channel from 0 to 1")
+        };
+        let number = |value: f64, key: &str| {
+            let problem = || format!("is {value}");
+            let holds = (0.0..=1.0).contains(&value);
+            self.require(holds, || field(key), problem, "a number from 0 to 1")
+        };
+        match material.bsdf {
+            Bsdf::Lambert { reflectance } => unit(reflectance, "reflectance"),
+            Bsdf::Conductor { reflectance, alpha } => {
+                unit(reflectance, "reflectance")?;
+                self.require(
+                    alpha > 0.0 && alpha <= 1.0,
+                    || field("alpha"),
+                    || format!("is {alpha}"),
+                    "a number above 0 and up to 1",
+                )
+            }
+            Bsdf::MetallicRoughness {
+                base_color,
+                metallic,
+                roughness,
+            } => {
+                unit(base_color, "base_color")?;
+                number(metallic, "metallic")?;
+                number(roughness, "roughness")
+            }
+        }
+    }
+
+    fn shape(&self, shape: &Shape, materials: usize) -> Outcome {
+        let field = field_of(&shape.name);
+        if let Some(Emission { radiance, .. }) = shape.emission {
+            self.power(radiance, || format!("{field}.emission.radiance"))?;
+        }
+        self.require(
+            shape.material.index() < materials,
+            || format!("{field}.material"),
+            || format!("is {} of {materials}", shape.material.0),
+            "an index into the scene's materials",
+        )?;
+        match &shape.geometry {
+            Geometry::Rectangle { corner: p, u, v } | Geometry::Disk { center: p, u, v } => self
+                .require(
+                    p.is_finite()
+                        && u.is_finite()
+                        && v.is_finite()
+                        && u.cross(*v).length() > 1e-12 * u.length() * v.length(),
+                    || field.to_owned(),
+                    || format!("has no area: `u` {u}, `v` {v}"),
+                    "finite edges in different directions",
+                ),
+            Geometry::Sphere { center, radius } => self.require(
+                center.is_finite() && *radius > 0.0 && radius.is_finite(),
+                || format!("{field}.radius"),
+                || format!("is {radius}"),
+                "a finite centre, and a radius above 0",
+            ),
+            Geometry::Mesh(mesh) => self.mesh(mesh, field),
+        }
+    }
+
+    fn mesh(&self, mesh: &Mesh, field: &str) -> Outcome {
+        let finite = mesh.positions.iter().position(|p| !p.is_finite());
+        self.require(
+            finite.is_none(),
+            || field.to_owned(),
+            || format!("vertex {} is not finite", finite.unwrap_or_default()),
+            "finite positions",
+        )?;
+        let outside = mesh
+            .triangles
+            .iter()
+            .flatten()
+            .find(|i| **i as usize >= mesh.positions.len());
+        self.require(
+            outside.is_none(),
+            || field.to_owned(),
+            || format!("vertex index {} is out of range", outside.unwrap_or(&0)),
+            "indices below the number of positions",
+        )
+    }
+
+    fn power(&self, value: DVec3, field: impl FnOnce() -> String) -> Outcome {
+        self.require(
+            value.is_finite() && value.cmpge(DVec3::ZERO).all(),
+            field,
+            || format!("is {value}"),
+            "finite numbers, not negative",
+        )
+    }
+
+    fn light(&self, light: &Light, field: &str) -> Outcome {
+        let point = |p: DVec3, key: &str| {
+            let problem = || format!("is {p}");
+            self.require(
+                p.is_finite(),
+                || format!("{field}.{key}"),
+                problem,
+                "a finite point",
+            )
+        };
+        let unit = |d: DVec3| {
+            self.require(
+                (d.length() - 1.0).abs() < 1e-6,
+                || format!("{field}.direction"),
+                || format!("is {d}"),
+                "a unit vector",
+            )
+        };
+        match *light {
+            Light::Point {
+                position,
+                intensity,
+            } => {
+                point(position, "position")?;
+                self.power(intensity, || format!("{field}.intensity"))
+            }
+            Light::Spot {
+                position,
+                direction,
+                intensity,
+                inner_angle,
+                outer_angle,
+            } => {
+                point(position, "position")?;
+                unit(direction)?;
+                self.power(intensity, || format!("{field}.intensity"))?;
+                self.require(
+                    outer_angle > 0.0 && outer_angle <= FRAC_PI_2,
+                    || format!("{field}.outer"),
+                    || format!("is {}", outer_angle.to_degrees()),
+                    "a half angle above 0 and up to 90 degrees",
+                )?;
+                self.require(
+                    (0.0..=outer_angle).contains(&inner_angle),
+                    || format!("{field}.inner"),
+                    || format!("is {}", inner_angle.to_degrees()),
+                    "a half angle from 0 to `outer`",
+                )
+            }
+            Light::Directional {
+                direction,
+                irradiance,
+            } => {
+                unit(direction)?;
+                self.power(irradiance, || format!("{field}.irradiance"))
+            }
+        }
+    }
+
+    fn environment(&self, environment: &Environment) -> Outcome {
+        let scale = environment.scale;
+        self.require(
+            scale.is_finite() && scale >= 0.0,
+            || "environment.scale".to_owned(),
+            || format!("is {scale}"),
+            "a finite number, not negative",
+        )?;
+        match &environment.radiance {
+            EnvironmentRadiance::Constant(radiance) => {
+                self.power(*radiance, || "environment.radiance".to_owned())
+            }
+            EnvironmentRadiance::Map(map) => {
+                let texels = map.width as usize * map.height as usize;
+                self.require(
+                    texels > 0 && map.texels.len() == texels,
+                    || "environment.file".to_owned(),
+                    || format!("has {} texels", map.texels.len()),
+                    "width times height, and at least 1",
+                )?;
+                let valid = |c: &f32| c.is_finite() && *c >= 0.0;
+                self.require(
+                    map.texels.iter().flatten().all(valid),
+                    || "environment.file".to_owned(),
+                    || "has texels that are negative or not finite".to_owned(),
+                    "finite numbers, not negative",
+                )
+            }
+        }
+    }
+
+    fn settings(&self, scene: &Scene) -> Outcome {
+        let render = &scene.render;
+        self.require(
+            render.spp >= 1,
+            || "render.spp".to_owned(),
+            || format!("is {}", render.spp),
+            "at least 1 sample per pixel",
+        )?;
+        let time = render.time.unwrap_or(1.0);
+        self.require(
+            time > 0.0 && time.is_finite(),
+            || "render.time".to_owned(),
+            || format!("is {time}"),
+            "seconds, above 0",
+        )
+    }
+}
+
+/// `shapes[3]` of `shapes[3]: lens (mesh 4)`.
+fn field_of(name: &str) -> &str {
+    let end = name.find([':', ' ']).unwrap_or(name.len());
+    &name[..end]
+}

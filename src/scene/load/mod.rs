@@ -1,1 +1,109 @@
-//! Reads scene files.
+//! Reads a scene file (TOML, glTF, GLB) and everything it names.
+//!
+//! Each file format lives in a module of its own; all of them end in the same [`Scene`], in world space and f64,
+//! validated. What a file asks for and direkt does not do becomes one sentence in [`Scene::warnings`].
+
+mod files;
+mod frame;
+mod gltf_scene;
+mod image;
+mod mesh;
+mod obj;
+mod ply;
+mod toml_scene;
+mod transform;
+
+use super::{Bsdf, Emission, Geometry, Scene, validate};
+use crate::error::{Error, InputError};
+use files::Folders;
+use std::path::{Path, PathBuf};
+
+/// How a scene file is read.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// Further folders in which the files that a scene names are looked up, after the scene's own.
+    pub assets: Vec<PathBuf>,
+}
+
+/// Reads the scene in `path` (`.toml`, `.gltf` or `.glb`) with every file it names, and validates it.
+///
+/// # Errors
+/// [`Error::Input`] names the file, the field in it, what is wrong there and what would be right.
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, Error> {
+    let folders = Folders::of_scene(path, &options.assets)?;
+    let extension = files::extension(path);
+    let mut scene = match extension.as_str() {
+        "toml" => toml_scene::load(path, &folders)?,
+        "gltf" | "glb" => gltf_scene::load_scene(path, &folders)?,
+        _ => {
+            return Err(InputError::file(
+                path,
+                if extension.is_empty() {
+                    "the name has no extension that would tell the format".to_owned()
+                } else {
+                    format!("`.{extension}` is not a scene format")
+                },
+                "a scene in .toml, .gltf or .glb",
+            )
+            .into());
+        }
+    };
+    validate::validate(&scene)?;
+    let mut warnings = general_warnings(&scene);
+    scene.warnings.append(&mut warnings);
+    Ok(scene)
+}
+
+/// The JSON Schema of the TOML scene format, for editors.
+pub fn schema() -> String {
+    toml_scene::schema()
+}
+
+/// What is legal but probably not meant.
+fn general_warnings(scene: &Scene) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let emits = |e: &Option<Emission>| e.is_some_and(|e| e.radiance.max_element() > 0.0);
+    if scene.lights.is_empty()
+        && scene.environment.is_none()
+        && !scene.shapes.iter().any(|s| emits(&s.emission))
+    {
+        warnings.push("the scene has no light: the image will be black".to_owned());
+    }
+    let sharp: Vec<&str> = scene
+        .materials
+        .iter()
+        .filter(|m| is_sharper_than_simulated(&m.bsdf))
+        .map(|m| m.name.as_str())
+        .collect();
+    if !sharp.is_empty() {
+        warnings.push(format!(
+            "GGX widths below {} are raised to it: {}",
+            Bsdf::MIN_ALPHA,
+            sharp.join(", ")
+        ));
+    }
+    let empty = scene
+        .shapes
+        .iter()
+        .filter(|s| matches!(&s.geometry, Geometry::Mesh(m) if m.triangles.is_empty()))
+        .count();
+    if empty > 0 {
+        warnings.push(format!(
+            "{empty} {} no triangle",
+            if empty == 1 {
+                "mesh has"
+            } else {
+                "meshes have"
+            }
+        ));
+    }
+    warnings
+}
+
+fn is_sharper_than_simulated(bsdf: &Bsdf) -> bool {
+    match *bsdf {
+        Bsdf::Lambert { .. } => false,
+        Bsdf::Conductor { alpha, .. } => alpha < Bsdf::MIN_ALPHA,
+        Bsdf::MetallicRoughness { roughness, .. } => roughness * roughness < Bsdf::MIN_ALPHA,
+    }
+}

@@ -1,0 +1,290 @@
+//! The container: JSON, its buffers, and checked access by index.
+
+use crate::error::InputError;
+use crate::scene::load::files::{self, Folders};
+use base64::Engine;
+use gltf::json;
+use std::path::{Path, PathBuf};
+
+/// Extensions that are read; all others are named in a warning, or refused where the file requires them.
+pub(super) const SUPPORTED_EXTENSIONS: [&str; 3] = [
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_mesh_quantization",
+];
+
+/// A glTF file: its parsed JSON, and its buffers' bytes.
+pub(super) struct Document {
+    path: PathBuf,
+    pub(super) root: json::Root,
+    /// `None` for a buffer without data of its own.
+    buffers: Vec<Option<Vec<u8>>>,
+}
+
+impl Document {
+    /// Reads the file and its buffers.
+    pub(super) fn read(path: &Path, folders: &Folders) -> Result<Self, InputError> {
+        let bytes = files::read(path)?;
+        let (text, chunk) = if bytes.starts_with(b"glTF") {
+            split_glb(path, &bytes)?
+        } else {
+            (&bytes[..], None)
+        };
+        let root = json::Root::from_slice(text)
+            .map_err(|e| InputError::file(path, format!("is not a readable glTF: {e}"), ""))?;
+        let mut document = Self {
+            path: path.to_path_buf(),
+            root,
+            buffers: Vec::new(),
+        };
+        document.check_version_and_extensions()?;
+        let folders = match std::fs::canonicalize(path) {
+            Ok(canonical) => folders.of_included(&canonical),
+            Err(_) => folders.clone(),
+        };
+        for index in 0..document.root.buffers.len() {
+            let data = document.read_buffer(index, chunk, &folders)?;
+            document.buffers.push(data);
+        }
+        Ok(document)
+    }
+
+    /// The file's name without its folder, for warnings.
+    pub(super) fn file_name(&self) -> String {
+        self.path
+            .file_name()
+            .unwrap_or(self.path.as_os_str())
+            .to_string_lossy()
+            .into_owned()
+    }
+
+    /// An error about `field`.
+    pub(super) fn error(
+        &self,
+        field: impl Into<String>,
+        problem: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> InputError {
+        InputError::new(&self.path, field, problem, expected)
+    }
+
+    /// `list[index]`, or the error that names `field`, the number and what `kind` of thing there are how many of.
+    pub(super) fn get<'a, T>(
+        &self,
+        list: &'a [T],
+        index: usize,
+        kind: &str,
+        field: impl FnOnce() -> String,
+    ) -> Result<&'a T, InputError> {
+        list.get(index).ok_or_else(|| {
+            self.error(
+                field(),
+                format!("{kind} {index} is out of range"),
+                format!("an index into the {} {kind}s", list.len()),
+            )
+        })
+    }
+
+    /// The bytes of buffer view `index`, which `field` refers to.
+    pub(super) fn view(
+        &self,
+        index: usize,
+        field: impl FnOnce() -> String,
+    ) -> Result<(&[u8], Option<usize>), InputError> {
+        let view = self.get(&self.root.buffer_views, index, "bufferView", field)?;
+        let name = || format!("bufferViews[{index}]");
+        let buffer = view.buffer.value();
+        let data = self
+            .get(&self.buffers, buffer, "buffer", || name() + ".buffer")?
+            .as_deref()
+            .ok_or_else(|| {
+                self.error(
+                    format!("buffers[{buffer}]"),
+                    "has neither a uri nor GLB data",
+                    "data",
+                )
+            })?;
+        let offset = view.byte_offset.map_or(0, |o| o.0);
+        let bytes = slice(data, offset, view.byte_length.0).ok_or_else(|| {
+            self.error(
+                name(),
+                format!(
+                    "byteOffset {offset} and byteLength {} end outside buffer {buffer}",
+                    view.byte_length.0
+                ),
+                format!("a range within its {} bytes", data.len()),
+            )
+        })?;
+        Ok((bytes, view.byte_stride.map(|s| s.0)))
+    }
+
+    fn check_version_and_extensions(&self) -> Result<(), InputError> {
+        if !self.root.asset.version.starts_with("2.") {
+            return Err(self.error(
+                "asset.version",
+                format!("is `{}`", self.root.asset.version),
+                "2.0",
+            ));
+        }
+        let missing: Vec<&str> = self
+            .root
+            .extensions_required
+            .iter()
+            .map(String::as_str)
+            .filter(|e| !SUPPORTED_EXTENSIONS.contains(e))
+            .collect();
+        if missing.is_empty() {
+            Ok(())
+        } else {
+            Err(self.error(
+                "extensionsRequired",
+                format!("the file cannot be shown without {}", missing.join(", ")),
+                format!("no more than {}", SUPPORTED_EXTENSIONS.join(", ")),
+            ))
+        }
+    }
+
+    fn read_buffer(
+        &self,
+        index: usize,
+        chunk: Option<&[u8]>,
+        folders: &Folders,
+    ) -> Result<Option<Vec<u8>>, InputError> {
+        let buffer = &self.root.buffers[index];
+        let field = format!("buffers[{index}]");
+        let mut data = match (&buffer.uri, chunk) {
+            (Some(uri), _) => self.read_uri(uri, &format!("{field}.uri"), folders)?,
+            (None, Some(chunk)) if index == 0 => chunk.to_vec(),
+            (None, _) => return Ok(None),
+        };
+        let length = usize::try_from(buffer.byte_length.0).unwrap_or(usize::MAX);
+        if data.len() < length {
+            return Err(self.error(
+                format!("{field}.byteLength"),
+                format!("is {length}, but there are only {} bytes", data.len()),
+                "the whole buffer (is the file truncated?)",
+            ));
+        }
+        data.truncate(length);
+        Ok(Some(data))
+    }
+
+    fn read_uri(&self, uri: &str, field: &str, folders: &Folders) -> Result<Vec<u8>, InputError> {
+        if let Some(data) = uri.strip_prefix("data:") {
+            let text = data
+                .split_once(',')
+                .filter(|(kind, _)| kind.ends_with(";base64"))
+                .map(|(_, text)| text)
+                .ok_or_else(|| self.error(field, "is a data URI without base64 data", "base64"))?;
+            return base64::engine::general_purpose::STANDARD
+                .decode(text)
+                .map_err(|e| self.error(field, format!("is not valid base64: {e}"), ""));
+        }
+        if uri.contains("://") {
+            return Err(self.error(
+                field,
+                format!("`{uri}` is on the network"),
+                "a file in the glTF's folder",
+            ));
+        }
+        let name = percent_decoded(uri);
+        files::read(&folders.resolve(&name, &self.path, field)?)
+    }
+}
+
+/// `data[offset..offset + length]`, or `None` outside of it.
+pub(super) fn slice(data: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
+    let start = usize::try_from(offset).ok()?;
+    let end = usize::try_from(offset.checked_add(length)?).ok()?;
+    data.get(start..end)
+}
+
+/// The JSON chunk and the binary chunk of a GLB file.
+fn split_glb<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>), InputError> {
+    let truncated = |needed: u64| {
+        InputError::file(
+            path,
+            format!(
+                "is truncated: it has {} bytes and needs {needed}",
+                bytes.len()
+            ),
+            "the whole GLB file",
+        )
+    };
+    let word = |at: u64| -> Result<u64, InputError> {
+        let word = slice(bytes, at, 4).ok_or_else(|| truncated(at + 4))?;
+        Ok(u64::from(u32::from_le_bytes(
+            word.try_into().expect("a slice of 4 bytes"),
+        )))
+    };
+    let version = word(4)?;
+    if version != 2 {
+        return Err(InputError::file(
+            path,
+            format!("is a GLB of version {version}"),
+            "version 2",
+        ));
+    }
+    let length = word(8)?;
+    if length > bytes.len() as u64 {
+        return Err(truncated(length));
+    }
+    let chunk = |at: u64| -> Result<(u64, &'a [u8], u64), InputError> {
+        let size = word(at)?;
+        let kind = word(at + 4)?;
+        let data = slice(bytes, at + 8, size).ok_or_else(|| truncated(at + 8 + size))?;
+        Ok((kind, data, at + 8 + size))
+    };
+    const JSON: u64 = 0x4E4F_534A;
+    const BIN: u64 = 0x004E_4942;
+    let (kind, text, next) = chunk(12)?;
+    if kind != JSON {
+        return Err(InputError::file(
+            path,
+            "its first chunk is not JSON",
+            "a GLB file",
+        ));
+    }
+    if next + 8 > length {
+        return Ok((text, None));
+    }
+    let (kind, data, _) = chunk(next)?;
+    Ok((text, (kind == BIN).then_some(data)))
+}
+
+/// `uri` with `%20` and its like decoded; a `%` that starts no such code stays.
+fn percent_decoded(uri: &str) -> String {
+    let mut out = Vec::new();
+    let mut rest = uri.as_bytes();
+    while let Some((&first, tail)) = rest.split_first() {
+        let code = (first == b'%')
+            .then(|| tail.get(..2))
+            .flatten()
+            .and_then(|hex| std::str::from_utf8(hex).ok())
+            .and_then(|hex| u8::from_str_radix(hex, 16).ok());
+        out.push(code.unwrap_or(first));
+        rest = if code.is_some() { &tail[2..] } else { tail };
+    }
+    String::from_utf8_lossy(&out).into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uris_are_decoded() {
+        assert_eq!(percent_decoded("a%20b.bin"), "a b.bin");
+        assert_eq!(percent_decoded("100%.bin"), "100%.bin");
+        assert_eq!(percent_decoded("%2"), "%2");
+        assert_eq!(percent_decoded("%c3%a4"), "ä");
+    }
+
+    #[test]
+    fn slices_outside_are_none() {
+        let data = [0u8; 8];
+        assert_eq!(slice(&data, 4, 4).map(<[u8]>::len), Some(4));
+        assert_eq!(slice(&data, 4, 5), None);
+        assert_eq!(slice(&data, u64::MAX, 2), None);
+    }
+}

@@ -1,0 +1,139 @@
+//! Materials: the factors of the metallic-roughness model, and emission.
+
+use super::document::Document;
+use crate::error::InputError;
+use crate::scene::{Bsdf, Emission, Material, MaterialId};
+use glam::DVec3;
+use std::collections::BTreeMap;
+
+/// The materials that shapes use, converted when the first does.
+pub(super) struct Materials<'a> {
+    document: &'a Document,
+    first: usize,
+    used: Vec<Material>,
+    /// From the file's index (`None`: glTF's default material) to the place in `used`, and the emission.
+    places: BTreeMap<Option<usize>, (usize, Option<Emission>)>,
+}
+
+impl<'a> Materials<'a> {
+    /// Materials whose ids start at `first`.
+    pub(super) fn new(document: &'a Document, first: usize) -> Self {
+        Self {
+            document,
+            first,
+            used: Vec::new(),
+            places: BTreeMap::new(),
+        }
+    }
+
+    /// The id and the emission of the material that the primitive `field` names.
+    pub(super) fn use_material(
+        &mut self,
+        index: Option<usize>,
+        field: &str,
+    ) -> Result<(MaterialId, Option<Emission>), InputError> {
+        let (place, emission) = match self.places.get(&index) {
+            Some(known) => *known,
+            None => {
+                let (material, emission) = match index {
+                    Some(index) => self.convert(index, field)?,
+                    None => (default_material(), None),
+                };
+                let place = self.used.len();
+                self.used.push(material);
+                self.places.insert(index, (place, emission));
+                (place, emission)
+            }
+        };
+        let id = u32::try_from(self.first + place).expect("there are fewer than 2³² materials");
+        Ok((MaterialId(id), emission))
+    }
+
+    /// Indices in the file of the materials that are used.
+    pub(super) fn used_indices(&self) -> impl Iterator<Item = usize> + '_ {
+        self.places.keys().filter_map(|index| *index)
+    }
+
+    /// The converted materials, in the order of their ids.
+    pub(super) fn into_used(self) -> Vec<Material> {
+        self.used
+    }
+
+    fn convert(
+        &self,
+        index: usize,
+        field: &str,
+    ) -> Result<(Material, Option<Emission>), InputError> {
+        let document = self.document;
+        let json = document.get(&document.root.materials, index, "material", || {
+            format!("{field}.material")
+        })?;
+        let name = format!("materials[{index}]");
+        let unit = |value: f64, factor: &str| {
+            if (0.0..=1.0).contains(&value) {
+                Ok(value)
+            } else {
+                Err(document.error(
+                    format!("{name}.pbrMetallicRoughness.{factor}"),
+                    format!("is {value}"),
+                    "a number from 0 to 1",
+                ))
+            }
+        };
+        let pbr = &json.pbr_metallic_roughness;
+        let mut base_color = DVec3::ZERO;
+        for channel in 0..3 {
+            base_color[channel] = unit(pbr.base_color_factor.0[channel].into(), "baseColorFactor")?;
+        }
+        let material = Material {
+            name: json.name.clone().unwrap_or_else(|| name.clone()),
+            bsdf: Bsdf::MetallicRoughness {
+                base_color,
+                metallic: unit(pbr.metallic_factor.0.into(), "metallicFactor")?,
+                roughness: unit(pbr.roughness_factor.0.into(), "roughnessFactor")?,
+            },
+            double_sided: json.double_sided,
+        };
+        let strength = json
+            .extensions
+            .as_ref()
+            .and_then(|e| e.emissive_strength.as_ref())
+            .map_or(1.0, |s| f64::from(s.emissive_strength.0));
+        let factor = DVec3::from_array(json.emissive_factor.0.map(f64::from));
+        for (value, what) in [
+            (
+                strength,
+                "extensions.KHR_materials_emissive_strength.emissiveStrength",
+            ),
+            (factor.min_element(), "emissiveFactor"),
+            (factor.max_element(), "emissiveFactor"),
+        ] {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(document.error(
+                    format!("{name}.{what}"),
+                    format!("is {value}"),
+                    "a finite number, not negative",
+                ));
+            }
+        }
+        let radiance = factor * strength;
+        let emission = (radiance.max_element() > 0.0).then_some(Emission {
+            radiance,
+            two_sided: json.double_sided,
+        });
+        Ok((material, emission))
+    }
+}
+
+/// What glTF 2.0 prescribes for a primitive without material: all properties at their defaults.
+fn default_material() -> Material {
+    Material {
+        name: "glTF's default material".to_owned(),
+        bsdf: Bsdf::MetallicRoughness {
+            base_color: DVec3::ONE,
+            metallic: 1.0,
+            roughness: 1.0,
+        },
+        double_sided: false,
+    }
+}

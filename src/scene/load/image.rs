@@ -1,0 +1,65 @@
+//! Environment maps: Radiance HDR and OpenEXR.
+
+use super::files;
+use crate::error::InputError;
+use crate::scene::EnvironmentMap;
+use image::{ImageFormat, ImageReader, Limits};
+use std::io::Cursor;
+use std::path::Path;
+
+/// Longest side of a map.
+const MAX_SIDE: u32 = 32_768;
+
+/// Reads a latitude-longitude map. Texels that are negative or not finite become black; `warnings` gets their number.
+pub(super) fn read_environment(
+    path: &Path,
+    warnings: &mut Vec<String>,
+) -> Result<EnvironmentMap, InputError> {
+    let format = match files::extension(path).as_str() {
+        "hdr" => ImageFormat::Hdr,
+        "exr" => ImageFormat::OpenExr,
+        other => {
+            return Err(InputError::file(
+                path,
+                format!("`.{other}` is not a format of environment maps"),
+                "a latitude-longitude map in .hdr or .exr",
+            ));
+        }
+    };
+    let bytes = files::read(path)?;
+    let failed =
+        |e: image::ImageError| InputError::file(path, format!("is not a readable image: {e}"), "");
+    let reader = || ImageReader::with_format(Cursor::new(&bytes), format);
+    let (width, height) = reader().into_dimensions().map_err(failed)?;
+    if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+        return Err(InputError::file(
+            path,
+            format!("is an image of {width} x {height} texels"),
+            format!("1 to {MAX_SIDE} texels per side"),
+        ));
+    }
+    let mut decoder = reader();
+    decoder.limits(Limits::no_limits());
+    let image = decoder.decode().map_err(failed)?.into_rgb32f();
+    let mut texels: Vec<[f32; 3]> = image.pixels().map(|p| p.0).collect();
+    let mut bad = 0usize;
+    for texel in &mut texels {
+        if texel.iter().any(|c| !c.is_finite() || *c < 0.0) {
+            bad += 1;
+            *texel = texel.map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
+        }
+    }
+    if bad > 0 {
+        warnings.push(format!(
+            "{}: {bad} {} negative or not finite; such channels are taken as 0",
+            path.display(),
+            if bad == 1 { "texel is" } else { "texels are" }
+        ));
+    }
+    Ok(EnvironmentMap {
+        source: path.display().to_string(),
+        width,
+        height,
+        texels,
+    })
+}

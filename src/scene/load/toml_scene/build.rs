@@ -1,0 +1,269 @@
+//! What the tables of a scene file mean.
+
+use super::format::{
+    CameraTable, FilmTable, GltfTable, MaterialKind, MaterialTable, SceneFile, TransformStep,
+};
+use super::{lights, shapes};
+use crate::error::InputError;
+use crate::scene::load::files::{self, Folders};
+use crate::scene::load::{frame, gltf_scene, transform};
+use crate::scene::{Bsdf, Camera, FilmSize, Material, MaterialId, Scene};
+use glam::{DAffine3, DMat3, DMat4, DVec3};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// What is known while a scene is built.
+pub(super) struct Context<'a> {
+    /// The scene file, for messages.
+    pub(super) path: &'a Path,
+    /// Where the files it names are looked up.
+    pub(super) folders: &'a Folders,
+    /// Ids of the named materials.
+    pub(super) material_ids: BTreeMap<String, MaterialId>,
+    /// Sentences for the user.
+    pub(super) warnings: Vec<String>,
+}
+
+impl Context<'_> {
+    /// An error about `field` of the scene file.
+    pub(super) fn error(
+        &self,
+        field: impl Into<String>,
+        problem: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> InputError {
+        InputError::new(self.path, field, problem, expected)
+    }
+}
+
+/// The scene that `file`, read from `path`, describes.
+pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<Scene, InputError> {
+    let mut context = Context {
+        path,
+        folders,
+        material_ids: BTreeMap::new(),
+        warnings: Vec::new(),
+    };
+    let film = film(&context, &file.film)?;
+    let mut camera = file.camera.map(|c| camera_of(&context, &c)).transpose()?;
+    let mut materials = Vec::new();
+    for (name, table) in file.materials {
+        let id = MaterialId(u32::try_from(materials.len()).expect("fewer than 2³² materials"));
+        materials.push(material(name.clone(), &table));
+        context.material_ids.insert(name, id);
+    }
+    let mut shapes = shapes::all(&mut context, file.shapes, &mut materials)?;
+    let mut lights = lights::all(&context, &file.lights)?;
+    let environment = file
+        .environment
+        .map(|e| lights::environment(&mut context, &e))
+        .transpose()?;
+    for (index, table) in file.gltf.iter().enumerate() {
+        let mut part = include(&context, index, table, materials.len())?;
+        shapes.append(&mut part.shapes);
+        materials.append(&mut part.materials);
+        lights.append(&mut part.lights);
+        context.warnings.append(&mut part.warnings);
+        camera = camera.or(part.camera);
+    }
+    let camera = camera.unwrap_or_else(|| {
+        context.warnings.push(
+            "the scene has no camera: one that looks along −z and frames the geometry is used"
+                .to_owned(),
+        );
+        frame::framed(&shapes, film)
+    });
+    Ok(Scene {
+        source: path.to_path_buf(),
+        camera,
+        film,
+        materials,
+        shapes,
+        lights,
+        environment,
+        render: file.render,
+        warnings: context.warnings,
+    })
+}
+
+fn film(context: &Context, table: &FilmTable) -> Result<FilmSize, InputError> {
+    let side = |value: i64, key: &str| {
+        u32::try_from(value)
+            .ok()
+            .filter(|v| (1..=FilmSize::MAX_SIDE).contains(v))
+            .ok_or_else(|| {
+                context.error(
+                    format!("film.{key}"),
+                    format!("is {value}"),
+                    format!("1 to {} pixels", FilmSize::MAX_SIDE),
+                )
+            })
+    };
+    Ok(FilmSize {
+        width: side(table.width, "width")?,
+        height: side(table.height, "height")?,
+    })
+}
+
+fn camera_of(context: &Context, table: &CameraTable) -> Result<Camera, InputError> {
+    if !(table.fov > 0.0 && table.fov < 180.0) {
+        return Err(context.error(
+            "camera.fov",
+            format!("is {}", table.fov),
+            "an angle above 0 and below 180 degrees",
+        ));
+    }
+    let fov_y = table.fov.to_radians();
+    match (table.eye, table.target, table.matrix) {
+        (Some(eye), Some(target), None) => {
+            let up = table.up.map_or(DVec3::Y, DVec3::from_array);
+            let (from, to) = (DVec3::from_array(eye), DVec3::from_array(target));
+            Camera::look_at(from, to, up, fov_y).ok_or_else(|| {
+                context.error(
+                    "camera.target",
+                    format!("is the eye, {eye:?}"),
+                    "a point in front of the eye",
+                )
+            })
+        }
+        (None, None, Some(matrix)) if table.up.is_none() => camera_of_matrix(&matrix, fov_y)
+            .ok_or_else(|| {
+                context.error(
+                    "camera.matrix",
+                    "is not a rotation and a translation (a uniform scale is allowed)",
+                    "a camera-to-world matrix, row by row, with the last row [0, 0, 0, 1]",
+                )
+            }),
+        _ => Err(context.error(
+            "camera",
+            "its position is given in parts or twice",
+            "`eye` and `target` (and `up`), or `matrix`",
+        )),
+    }
+}
+
+/// A camera from camera-to-world; `None` when that shears, mirrors or projects.
+fn camera_of_matrix(rows: &[[f64; 4]; 4], fov_y: f64) -> Option<Camera> {
+    let to_world = affine(rows)?;
+    let m = to_world.matrix3;
+    let scale = m.determinant().cbrt();
+    let rotation = m * (1.0 / scale);
+    let off = rotation.transpose() * rotation - DMat3::IDENTITY;
+    let is_rotation = scale > 0.0 && off.to_cols_array().iter().all(|x| x.abs() < 1e-4);
+    let camera = Camera::look_at(DVec3::ZERO, -rotation.z_axis, rotation.y_axis, fov_y)?;
+    is_rotation.then_some(Camera {
+        eye: to_world.translation,
+        ..camera
+    })
+}
+
+/// An affine transform from a matrix by rows; `None` when the last row is another than `[0, 0, 0, 1]`.
+fn affine(rows: &[[f64; 4]; 4]) -> Option<DAffine3> {
+    let matrix = DMat4::from_cols_array_2d(rows).transpose();
+    let last = matrix.row(3) - glam::DVec4::W;
+    (last.abs().max_element() <= 0.0).then(|| DAffine3::from_mat4(matrix))
+}
+
+fn material(name: String, table: &MaterialTable) -> Material {
+    let bsdf = match &table.kind {
+        MaterialKind::Lambert(t) => Bsdf::Lambert {
+            reflectance: DVec3::from_array(t.reflectance.0),
+        },
+        MaterialKind::Conductor(t) => Bsdf::Conductor {
+            reflectance: DVec3::from_array(t.reflectance.0),
+            alpha: t.alpha,
+        },
+        MaterialKind::MetallicRoughness(t) => Bsdf::MetallicRoughness {
+            base_color: DVec3::from_array(t.base_color.0),
+            metallic: t.metallic,
+            roughness: t.roughness,
+        },
+    };
+    Material {
+        name,
+        bsdf,
+        double_sided: table.double_sided,
+    }
+}
+
+fn include(
+    context: &Context,
+    index: usize,
+    table: &GltfTable,
+    first_material: usize,
+) -> Result<gltf_scene::Imported, InputError> {
+    let field = format!("gltf[{index}]");
+    let placement = placement(context, &table.transform, &field)?;
+    let file_field = format!("{field}.file");
+    let file = context
+        .folders
+        .resolve(&table.file, context.path, &file_field)?;
+    if !matches!(files::extension(&file).as_str(), "gltf" | "glb") {
+        return Err(context.error(
+            file_field,
+            format!("`{}` is not a glTF", table.file),
+            "a .gltf or .glb file; other meshes are shapes of type \"mesh\"",
+        ));
+    }
+    let prefix = format!("{field}: ");
+    gltf_scene::load_part(&file, context.folders, &placement, first_material, &prefix)
+}
+
+/// All steps of a transform, the first applied first; refused when singular.
+pub(super) fn placement(
+    context: &Context,
+    steps: &[TransformStep],
+    field: &str,
+) -> Result<DAffine3, InputError> {
+    let mut whole = DAffine3::IDENTITY;
+    for (number, step) in steps.iter().enumerate() {
+        whole = step_matrix(context, step, &format!("{field}.transform[{number}]"))? * whole;
+    }
+    transform::check(&whole).map_err(|problem| {
+        let (problem, expected) = problem.describe();
+        context.error(format!("{field}.transform"), problem, expected)
+    })?;
+    Ok(whole)
+}
+
+fn step_matrix(
+    context: &Context,
+    step: &TransformStep,
+    field: &str,
+) -> Result<DAffine3, InputError> {
+    match step {
+        TransformStep::Translate(v) => Ok(DAffine3::from_translation(DVec3::from_array(*v))),
+        TransformStep::Scale(s) => Ok(DAffine3::from_scale(DVec3::from_array(s.0))),
+        TransformStep::Rotate(r) => {
+            let axis = direction(context, r.axis, &format!("{field}.rotate.axis"))?;
+            Ok(DAffine3::from_axis_angle(axis, r.degrees.to_radians()))
+        }
+        TransformStep::Matrix(rows) => affine(rows).ok_or_else(|| {
+            context.error(
+                format!("{field}.matrix"),
+                format!("its last row is {:?}", rows[3]),
+                "[0, 0, 0, 1] (the matrix is written row by row)",
+            )
+        }),
+        TransformStep::LookAt(l) => {
+            let (from, to) = (DVec3::from_array(l.origin), DVec3::from_array(l.target));
+            let camera =
+                Camera::look_at(from, to, DVec3::from_array(l.up), 1.0).ok_or_else(|| {
+                    context.error(
+                        format!("{field}.look_at.target"),
+                        format!("is the origin of the step, {:?}", l.origin),
+                        "another point",
+                    )
+                })?;
+            let turn = DMat3::from_cols(-camera.right, camera.up, camera.forward);
+            Ok(DAffine3::from_mat3_translation(turn, from))
+        }
+    }
+}
+
+/// A unit vector.
+pub(super) fn direction(context: &Context, v: [f64; 3], field: &str) -> Result<DVec3, InputError> {
+    DVec3::from_array(v)
+        .try_normalize()
+        .ok_or_else(|| context.error(field, format!("is {v:?}"), "a direction that is not zero"))
+}

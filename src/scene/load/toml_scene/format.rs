@@ -1,0 +1,416 @@
+//! The types of a scene file. Their doc comments are the descriptions in the JSON Schema.
+
+use crate::scene::RenderSettings;
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// A direkt scene: camera, film, materials, shapes, lights, environment and settings.
+///
+/// Lengths are in any one unit; angles are in degrees; colours are linear RGB. Files are named relative to the scene
+/// file's folder, or to a folder named with `--assets`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "direkt scene")]
+pub(super) struct SceneFile {
+    /// The camera. Left out: that of the first included glTF with a camera, or else one that frames the geometry.
+    pub(super) camera: Option<CameraTable>,
+    /// Size of the image.
+    #[serde(default)]
+    pub(super) film: FilmTable,
+    /// Materials by name.
+    #[serde(default)]
+    pub(super) materials: BTreeMap<String, MaterialTable>,
+    /// Surfaces.
+    #[serde(default)]
+    pub(super) shapes: Vec<ShapeTable>,
+    /// glTF files that are included with their shapes, materials, lights and camera.
+    #[serde(default)]
+    pub(super) gltf: Vec<GltfTable>,
+    /// Lights without a surface.
+    #[serde(default)]
+    pub(super) lights: Vec<LightTable>,
+    /// Light from everywhere that no surface covers.
+    pub(super) environment: Option<EnvironmentTable>,
+    /// How to render; every setting also has a flag.
+    #[serde(default)]
+    pub(super) render: RenderSettings,
+}
+
+/// A pinhole camera: `eye` and `target`, or `matrix`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraTable {
+    /// Centre of projection.
+    pub(super) eye: Option<[f64; 3]>,
+    /// A point in the middle of the image.
+    pub(super) target: Option<[f64; 3]>,
+    /// What is up in the image; [0, 1, 0] when left out.
+    pub(super) up: Option<[f64; 3]>,
+    /// Camera to world, row by row; the camera looks along its −z with +y up, as in glTF.
+    pub(super) matrix: Option<[[f64; 4]; 4]>,
+    /// Vertical field of view in degrees, above 0 and below 180.
+    pub(super) fov: f64,
+}
+
+/// Size of the image in pixels.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct FilmTable {
+    /// Pixels per row, 1 to 32768.
+    #[schemars(range(min = 1, max = 32768))]
+    pub(super) width: i64,
+    /// Rows, 1 to 32768.
+    #[schemars(range(min = 1, max = 32768))]
+    pub(super) height: i64,
+}
+
+impl Default for FilmTable {
+    fn default() -> Self {
+        let film = crate::scene::FilmSize::default();
+        Self {
+            width: film.width.into(),
+            height: film.height.into(),
+        }
+    }
+}
+
+/// Three numbers [r, g, b], or one for all.
+#[derive(Debug, Clone, Copy, JsonSchema)]
+#[schemars(untagged)]
+#[expect(
+    dead_code,
+    reason = "the variants describe the two spellings to the schema"
+)]
+enum RgbSpelling {
+    Grey(f64),
+    Rgb([f64; 3]),
+}
+
+/// A linear RGB value.
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema)]
+#[schemars(transparent)]
+pub(super) struct Rgb(#[schemars(with = "RgbSpelling")] pub(super) [f64; 3]);
+
+/// A factor for all axes, or one for each.
+#[derive(Debug, Clone, Copy, JsonSchema)]
+#[schemars(untagged)]
+#[expect(
+    dead_code,
+    reason = "the variants describe the two spellings to the schema"
+)]
+enum ScaleSpelling {
+    Uniform(f64),
+    PerAxis([f64; 3]),
+}
+
+/// A scale.
+#[derive(Debug, Clone, Copy, PartialEq, JsonSchema)]
+#[schemars(transparent)]
+pub(super) struct Scale(#[schemars(with = "ScaleSpelling")] pub(super) [f64; 3]);
+
+/// A material.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaterialTable {
+    /// How it scatters.
+    #[schemars(flatten)]
+    pub(super) kind: MaterialKind,
+    /// Whether the back of the surface scatters like its front; with false it does not exist and rays pass through.
+    #[serde(default = "yes")]
+    pub(super) double_sided: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// How a material scatters.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "type")]
+pub(super) enum MaterialKind {
+    /// Ideal diffuse reflection.
+    Lambert(LambertTable),
+    /// A rough conductor: GGX microfacets with Schlick's Fresnel.
+    Conductor(ConductorTable),
+    /// glTF 2.0's metallic-roughness model.
+    MetallicRoughness(MetallicRoughnessTable),
+}
+
+/// Ideal diffuse reflection.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LambertTable {
+    /// Albedo, each channel from 0 to 1.
+    pub(super) reflectance: Rgb,
+}
+
+/// A rough conductor.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ConductorTable {
+    /// Reflectance at normal incidence (F0), each channel from 0 to 1.
+    pub(super) reflectance: Rgb,
+    /// GGX width, above 0 and up to 1.
+    pub(super) alpha: f64,
+}
+
+/// glTF 2.0's metallic-roughness model.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MetallicRoughnessTable {
+    /// Base colour, each channel from 0 to 1.
+    pub(super) base_color: Rgb,
+    /// 0 (dielectric) to 1 (metal).
+    pub(super) metallic: f64,
+    /// Perceptual roughness, 0 to 1; the GGX width is its square.
+    pub(super) roughness: f64,
+}
+
+/// A surface.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ShapeTable {
+    /// Its geometry.
+    #[schemars(flatten)]
+    pub(super) kind: ShapeKind,
+    /// A name for messages.
+    pub(super) name: Option<String>,
+    /// Name of its material; left out, a grey Lambert material of reflectance 0.5.
+    pub(super) material: Option<String>,
+    /// What it emits.
+    pub(super) emission: Option<EmissionTable>,
+    /// Steps that place it, the first listed is applied first.
+    #[serde(default)]
+    pub(super) transform: Vec<TransformStep>,
+}
+
+/// Geometry; the front is the side that the normal points to.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "type")]
+pub(super) enum ShapeKind {
+    /// The square [-1, 1]² in the xy plane with normal +z; or `corner`, `u` and `v`.
+    Rectangle(RectangleTable),
+    /// The cube [-1, 1]³; or `min` and `max`. Its normals point outwards.
+    Box(BoxTable),
+    /// The unit sphere; or `center` and `radius`. Its normal points outwards.
+    Sphere(SphereTable),
+    /// The unit disk in the xy plane with normal +z; or `center`, `normal` and `radius`.
+    Disk(DiskTable),
+    /// Triangles from a file.
+    Mesh(MeshTable),
+}
+
+/// The parallelogram corner + s·u + t·v with normal u × v. All three keys, or none.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RectangleTable {
+    /// One corner.
+    pub(super) corner: Option<[f64; 3]>,
+    /// Edge from the corner.
+    pub(super) u: Option<[f64; 3]>,
+    /// Other edge from the corner.
+    pub(super) v: Option<[f64; 3]>,
+}
+
+/// An axis-parallel box. Both keys, or none.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BoxTable {
+    /// The corner with the smallest coordinates.
+    pub(super) min: Option<[f64; 3]>,
+    /// The corner with the largest coordinates.
+    pub(super) max: Option<[f64; 3]>,
+}
+
+/// A sphere.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SphereTable {
+    /// Centre; the origin when left out.
+    #[serde(default)]
+    pub(super) center: [f64; 3],
+    /// Radius, above 0; 1 when left out.
+    #[serde(default = "one")]
+    pub(super) radius: f64,
+}
+
+/// A disk.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DiskTable {
+    /// Centre; the origin when left out.
+    #[serde(default)]
+    pub(super) center: [f64; 3],
+    /// Normal, of any length; +z when left out.
+    #[serde(default = "z_axis")]
+    pub(super) normal: [f64; 3],
+    /// Radius, above 0; 1 when left out.
+    #[serde(default = "one")]
+    pub(super) radius: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+fn z_axis() -> [f64; 3] {
+    [0.0, 0.0, 1.0]
+}
+
+/// Triangles from a file.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MeshTable {
+    /// A .ply, .obj, .gltf or .glb file; of glTF, the geometry of its default scene.
+    pub(super) file: String,
+}
+
+/// What a surface emits, the same in all directions.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EmissionTable {
+    /// Radiance, not negative.
+    pub(super) radiance: Rgb,
+    /// Whether the back emits as well.
+    #[serde(default)]
+    pub(super) two_sided: bool,
+}
+
+/// One step of a transform.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum TransformStep {
+    /// Moves by a vector.
+    Translate([f64; 3]),
+    /// Scales about the origin.
+    Scale(Scale),
+    /// Rotates about an axis through the origin.
+    Rotate(RotateTable),
+    /// Any affine matrix, row by row; the last row is [0, 0, 0, 1].
+    Matrix([[f64; 4]; 4]),
+    /// Puts the origin at `origin` and turns +z towards `target`.
+    LookAt(LookAtTable),
+}
+
+/// A rotation.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RotateTable {
+    /// The axis, of any length.
+    pub(super) axis: [f64; 3],
+    /// The angle in degrees, counter-clockwise when the axis points at the viewer.
+    pub(super) degrees: f64,
+}
+
+/// A placement by two points.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LookAtTable {
+    /// Where the object's origin goes.
+    pub(super) origin: [f64; 3],
+    /// Where its +z axis points.
+    pub(super) target: [f64; 3],
+    /// Where its +y axis points as far as it can; [0, 1, 0] when left out.
+    #[serde(default = "y_axis")]
+    pub(super) up: [f64; 3],
+}
+
+fn y_axis() -> [f64; 3] {
+    [0.0, 1.0, 0.0]
+}
+
+/// A glTF file to include.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GltfTable {
+    /// A .gltf or .glb file.
+    pub(super) file: String,
+    /// Steps that place it, the first listed is applied first. Radiance and intensities stay as they are.
+    #[serde(default)]
+    pub(super) transform: Vec<TransformStep>,
+}
+
+/// A light without a surface.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LightTable {
+    /// Its kind.
+    #[schemars(flatten)]
+    pub(super) kind: LightKind,
+}
+
+/// Kinds of lights without a surface.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(tag = "type")]
+pub(super) enum LightKind {
+    /// Radiates equally from a point.
+    Point(PointTable),
+    /// A point light restricted to a cone.
+    Spot(SpotTable),
+    /// Infinitely far away.
+    Directional(DirectionalTable),
+}
+
+/// A point light.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PointTable {
+    /// Where it is.
+    pub(super) position: [f64; 3],
+    /// Radiant intensity, not negative.
+    pub(super) intensity: Rgb,
+}
+
+/// A spot light: `direction` or `target`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SpotTable {
+    /// Where it is.
+    pub(super) position: [f64; 3],
+    /// Axis of the cone, away from the light.
+    pub(super) direction: Option<[f64; 3]>,
+    /// A point on the axis, instead of `direction`.
+    pub(super) target: Option<[f64; 3]>,
+    /// Radiant intensity on the axis, not negative.
+    pub(super) intensity: Rgb,
+    /// Half angle of full intensity in degrees, from 0 to `outer`; 0 when left out.
+    #[serde(default)]
+    pub(super) inner: f64,
+    /// Half angle beyond which there is none, in degrees, above 0 and up to 90; 45 when left out.
+    #[serde(default = "forty_five")]
+    pub(super) outer: f64,
+}
+
+fn forty_five() -> f64 {
+    45.0
+}
+
+/// A directional light.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DirectionalTable {
+    /// The direction in which the light travels.
+    pub(super) direction: [f64; 3],
+    /// Irradiance on a surface that faces it, not negative.
+    pub(super) irradiance: Rgb,
+}
+
+/// Light from everywhere: `radiance` or `file`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EnvironmentTable {
+    /// The same radiance from everywhere.
+    pub(super) radiance: Option<Rgb>,
+    /// A latitude-longitude map (.hdr, .exr); +y is up, and its middle lies in direction −z.
+    pub(super) file: Option<String>,
+    /// Rotation about +y in degrees, counter-clockwise seen from above.
+    #[serde(default)]
+    pub(super) rotation: f64,
+    /// Factor on the radiance.
+    #[serde(default = "one")]
+    pub(super) scale: f64,
+}

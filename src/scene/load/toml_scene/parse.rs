@@ -1,0 +1,276 @@
+//! From text to the types of [`super::format`], with errors that name the line and the field.
+
+use super::format::{Rgb, Scale, SceneFile};
+use crate::error::InputError;
+use serde::de::{Deserialize, Deserializer, Error as _, SeqAccess, Visitor};
+use serde_path_to_error::Segment;
+use std::path::Path;
+use toml::de::{DeTable, DeValue};
+use toml::{Table, Value};
+
+/// Parses a scene file.
+pub(super) fn parse(path: &Path, text: &str) -> Result<SceneFile, InputError> {
+    let mut table: Table = toml::from_str(text).map_err(|e| syntax_error(path, text, &e))?;
+    refuse_non_finite(path, text, &mut Vec::new(), &Value::Table(table.clone()))?;
+    for (list, common) in TAGGED {
+        tag(path, text, &mut table, list, common)?;
+    }
+    serde_path_to_error::deserialize(Value::Table(table)).map_err(|e| {
+        let steps = steps(e.path());
+        field_error(path, text, &steps, e.inner().message())
+    })
+}
+
+/// Tables with a `type`, and the keys that all their types share.
+const TAGGED: [(&str, &[&str]); 3] = [
+    ("materials", &["double_sided"]),
+    ("shapes", &["name", "material", "emission", "transform"]),
+    ("lights", &[]),
+];
+
+/// Moves the keys that depend on the `type` into a table `kind.TYPE`: from there serde reads them as an enum, and
+/// says which key is wrong, which it does not for enums that are told apart by a key among the others.
+fn tag(
+    path: &Path,
+    text: &str,
+    table: &mut Table,
+    list: &str,
+    common: &[&str],
+) -> Result<(), InputError> {
+    let entries: Vec<(Step, &mut Value)> = match table.get_mut(list) {
+        Some(Value::Array(array)) => array
+            .iter_mut()
+            .enumerate()
+            .map(|(i, v)| (Step::Index(i), v))
+            .collect(),
+        Some(Value::Table(named)) => named
+            .iter_mut()
+            .map(|(k, v)| (Step::Key(k.to_owned()), v))
+            .collect(),
+        _ => return Ok(()),
+    };
+    for (step, entry) in entries {
+        let Value::Table(entry) = entry else { continue };
+        let steps = [Step::Key(list.to_owned()), step];
+        let Some(kind) = entry.remove("type") else {
+            let problem = "has no `type`";
+            return Err(located(path, text, &steps, problem, known_types(list)));
+        };
+        let Value::String(kind) = kind else {
+            let [list_step, step] = steps;
+            let steps = [list_step, step, Step::Key("type".to_owned())];
+            let problem = format!("is {kind}");
+            return Err(located(path, text, &steps, &problem, known_types(list)));
+        };
+        let own = std::mem::take(entry);
+        let (shared, own): (Table, Table) = own
+            .into_iter()
+            .partition(|(key, _)| common.contains(&key.as_str()));
+        *entry = shared;
+        let tagged = Table::from_iter([(kind, Value::Table(own))]);
+        entry.insert("kind".to_owned(), Value::Table(tagged));
+    }
+    Ok(())
+}
+
+fn known_types(list: &str) -> &'static str {
+    match list {
+        "materials" => "type = \"lambert\", \"conductor\" or \"metallic-roughness\"",
+        "shapes" => "type = \"rectangle\", \"box\", \"sphere\", \"disk\" or \"mesh\"",
+        _ => "type = \"point\", \"spot\" or \"directional\"",
+    }
+}
+
+/// One step of the way to a field.
+#[derive(Debug, Clone, PartialEq)]
+enum Step {
+    Key(String),
+    Index(usize),
+}
+
+/// The way to a field, as the file has it: without what [`tag`] put in between.
+fn steps(path: &serde_path_to_error::Path) -> Vec<Step> {
+    let mut steps: Vec<Step> = path
+        .iter()
+        .filter_map(|segment| match segment {
+            Segment::Seq { index } => Some(Step::Index(*index)),
+            Segment::Map { key } => Some(Step::Key(key.clone())),
+            Segment::Enum { variant } => Some(Step::Key(variant.clone())),
+            Segment::Unknown => None,
+        })
+        .collect();
+    let is_tagged =
+        matches!(steps.first(), Some(Step::Key(k)) if TAGGED.iter().any(|(l, _)| l == k));
+    if is_tagged && steps.get(2) == Some(&Step::Key("kind".to_owned())) {
+        steps.drain(2..steps.len().min(4));
+    }
+    steps
+}
+
+fn join(steps: &[Step]) -> String {
+    let mut joined = String::new();
+    for step in steps {
+        match step {
+            Step::Index(i) => joined += &format!("[{i}]"),
+            Step::Key(k) => {
+                if !joined.is_empty() {
+                    joined.push('.');
+                }
+                joined += k;
+            }
+        }
+    }
+    joined
+}
+
+/// The line of the deepest of `steps` that the text has.
+fn line_of(text: &str, steps: &[Step]) -> Option<usize> {
+    let table = DeTable::parse(text).ok()?;
+    let mut position = None;
+    let mut value: Option<&DeValue> = None;
+    for step in steps {
+        let next = match (value, step) {
+            (None, Step::Key(k)) => table.get_ref().get(k.as_str()),
+            (Some(DeValue::Table(t)), Step::Key(k)) => t.get(k.as_str()),
+            (Some(DeValue::Array(a)), Step::Index(i)) => a.get(*i),
+            _ => None,
+        };
+        let Some(next) = next else { break };
+        position = Some(next.span().start);
+        value = Some(next.get_ref());
+    }
+    Some(line_at(text, position?))
+}
+
+fn line_at(text: &str, offset: usize) -> usize {
+    let before = &text.as_bytes()[..offset.min(text.len())];
+    1 + before.iter().filter(|b| **b == b'\n').count()
+}
+
+fn located(
+    path: &Path,
+    text: &str,
+    steps: &[Step],
+    problem: &str,
+    expected: impl Into<String>,
+) -> InputError {
+    let line = line_of(text, steps).map_or_else(String::new, |l| format!(" (line {l})"));
+    InputError::new(path, join(steps), format!("{problem}{line}"), expected)
+}
+
+/// What serde says about a field, in the words of the other messages: `problem; expected …`.
+fn field_error(path: &Path, text: &str, steps: &[Step], message: &str) -> InputError {
+    let message = message.trim();
+    let (problem, expected) = message.split_once(", expected ").unwrap_or((message, ""));
+    let mut expected = expected
+        .strip_prefix("one of ")
+        .unwrap_or(expected)
+        .to_owned();
+    let unknown_key = problem.starts_with("unknown field");
+    if let (true, Some(Step::Key(list)), true) = (unknown_key, steps.first(), steps.len() == 3) {
+        for (_, common) in TAGGED.iter().filter(|(name, _)| name == list) {
+            for key in *common {
+                if !expected.contains(&format!("`{key}`")) {
+                    expected += &format!(", `{key}`");
+                }
+            }
+        }
+    }
+    // `kind` is ours: such a message is about the table's type.
+    let expected = expected.replace("`kind`, ", "");
+    let problem = problem
+        .replace("unknown field", "unknown key")
+        .replace("missing field", "missing key")
+        .replace("unknown variant", "unknown type");
+    located(path, text, steps, &problem, expected)
+}
+
+fn syntax_error(path: &Path, text: &str, error: &toml::de::Error) -> InputError {
+    let line = error.span().map_or_else(String::new, |span| {
+        format!(" (line {})", line_at(text, span.start))
+    });
+    let message = error.message().trim().replace('\n', ", ");
+    InputError::file(path, format!("is not valid TOML: {message}{line}"), "")
+}
+
+/// TOML knows `nan` and `inf`; no field of a scene does.
+fn refuse_non_finite(
+    path: &Path,
+    text: &str,
+    steps: &mut Vec<Step>,
+    value: &Value,
+) -> Result<(), InputError> {
+    match value {
+        Value::Float(f) if !f.is_finite() => {
+            let problem = format!("is {}", f.to_string().to_lowercase());
+            return Err(located(path, text, steps, &problem, "a finite number"));
+        }
+        Value::Array(array) => {
+            for (i, entry) in array.iter().enumerate() {
+                steps.push(Step::Index(i));
+                refuse_non_finite(path, text, steps, entry)?;
+                steps.pop();
+            }
+        }
+        Value::Table(table) => {
+            for (key, entry) in table {
+                steps.push(Step::Key(key.clone()));
+                refuse_non_finite(path, text, steps, entry)?;
+                steps.pop();
+            }
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+/// Reads one number for all three, or three.
+struct OneOrThree(&'static str);
+
+impl<'de> Visitor<'de> for OneOrThree {
+    type Value = [f64; 3];
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.0)
+    }
+
+    fn visit_f64<E>(self, v: f64) -> Result<Self::Value, E> {
+        Ok([v; 3])
+    }
+
+    fn visit_i64<E>(self, v: i64) -> Result<Self::Value, E> {
+        Ok([v as f64; 3])
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+        let mut values = [0.0; 3];
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = seq
+                .next_element()?
+                .ok_or_else(|| A::Error::invalid_length(i, &self))?;
+        }
+        let mut length = 3;
+        while seq.next_element::<serde::de::IgnoredAny>()?.is_some() {
+            length += 1;
+        }
+        if length == 3 {
+            Ok(values)
+        } else {
+            Err(A::Error::invalid_length(length, &self))
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Rgb {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let visitor = OneOrThree("three numbers [r, g, b], or one for all");
+        Ok(Self(deserializer.deserialize_any(visitor)?))
+    }
+}
+
+impl<'de> Deserialize<'de> for Scale {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let visitor = OneOrThree("three factors [x, y, z], or one for all");
+        Ok(Self(deserializer.deserialize_any(visitor)?))
+    }
+}

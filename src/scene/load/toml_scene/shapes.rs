@@ -1,0 +1,214 @@
+//! The `[[shapes]]` tables.
+
+use super::build::{Context, direction, placement};
+use super::format::{BoxTable, MeshTable, RectangleTable, ShapeKind, ShapeTable};
+use crate::error::InputError;
+use crate::scene::load::mesh;
+use crate::scene::load::transform;
+use crate::scene::{Bsdf, Emission, Geometry, Material, MaterialId, Shape};
+use glam::DVec3;
+
+/// Geometry in the shape's own space, and what to add to its name.
+type Part = (String, Geometry);
+
+/// The shapes of the scene file. A default material is added to `materials` when one is needed.
+pub(super) fn all(
+    context: &mut Context,
+    tables: Vec<ShapeTable>,
+    materials: &mut Vec<Material>,
+) -> Result<Vec<Shape>, InputError> {
+    let mut default_material = None;
+    let mut shapes = Vec::new();
+    for (index, table) in tables.into_iter().enumerate() {
+        let field = format!("shapes[{index}]");
+        let material = match &table.material {
+            Some(name) => named_material(context, name, &field)?,
+            None => *default_material.get_or_insert_with(|| add_default(materials)),
+        };
+        let emission = table.emission.as_ref().map(|e| Emission {
+            radiance: DVec3::from_array(e.radiance.0),
+            two_sided: e.two_sided,
+        });
+        let to_world = placement(context, &table.transform, &field)?;
+        let name = match &table.name {
+            Some(name) => format!("{field}: {name}"),
+            None => field.clone(),
+        };
+        let mut dropped = 0;
+        for (part, geometry) in parts(context, &table.kind, &field)? {
+            let mut geometry = transform::apply(&to_world, geometry).map_err(|problem| {
+                let (problem, expected) = problem.describe();
+                context.error(format!("{field}.transform"), problem, expected)
+            })?;
+            if let Geometry::Mesh(mesh) = &mut geometry {
+                dropped += mesh::clean(mesh);
+            }
+            shapes.push(Shape {
+                name: format!("{name}{part}"),
+                geometry,
+                material,
+                emission,
+            });
+        }
+        if dropped > 0 {
+            context.warnings.push(mesh::dropped_warning(&name, dropped));
+        }
+    }
+    Ok(shapes)
+}
+
+fn named_material(context: &Context, name: &str, field: &str) -> Result<MaterialId, InputError> {
+    context.material_ids.get(name).copied().ok_or_else(|| {
+        let known: Vec<&str> = context.material_ids.keys().map(String::as_str).collect();
+        context.error(
+            format!("{field}.material"),
+            format!("there is no material `{name}`"),
+            if known.is_empty() {
+                "a table [materials.NAME]; the file has none".to_owned()
+            } else {
+                format!("one of {}", known.join(", "))
+            },
+        )
+    })
+}
+
+fn add_default(materials: &mut Vec<Material>) -> MaterialId {
+    let id = MaterialId(u32::try_from(materials.len()).expect("fewer than 2³² materials"));
+    materials.push(Material {
+        name: "default".to_owned(),
+        bsdf: Bsdf::Lambert {
+            reflectance: DVec3::splat(0.5),
+        },
+        double_sided: true,
+    });
+    id
+}
+
+fn parts(context: &mut Context, kind: &ShapeKind, field: &str) -> Result<Vec<Part>, InputError> {
+    let single = |geometry| vec![(String::new(), geometry)];
+    match kind {
+        ShapeKind::Rectangle(table) => rectangle(context, table, field).map(single),
+        ShapeKind::Box(table) => box_faces(context, table, field),
+        ShapeKind::Sphere(table) => Ok(single(Geometry::Sphere {
+            center: DVec3::from_array(table.center),
+            radius: radius(context, table.radius, field)?,
+        })),
+        ShapeKind::Disk(table) => {
+            let normal = direction(context, table.normal, &format!("{field}.normal"))?;
+            let radius = radius(context, table.radius, field)?;
+            let (u, v) = transform::frame(normal);
+            Ok(single(Geometry::Disk {
+                center: DVec3::from_array(table.center),
+                u: u * radius,
+                v: v * radius,
+            }))
+        }
+        ShapeKind::Mesh(table) => mesh_parts(context, table, field),
+    }
+}
+
+fn radius(context: &Context, radius: f64, field: &str) -> Result<f64, InputError> {
+    if radius > 0.0 {
+        Ok(radius)
+    } else {
+        let problem = format!("is {radius}");
+        Err(context.error(format!("{field}.radius"), problem, "a number above 0"))
+    }
+}
+
+fn rectangle(
+    context: &Context,
+    table: &RectangleTable,
+    field: &str,
+) -> Result<Geometry, InputError> {
+    let (corner, u, v) = match (table.corner, table.u, table.v) {
+        (None, None, None) => (DVec3::new(-1.0, -1.0, 0.0), 2.0 * DVec3::X, 2.0 * DVec3::Y),
+        (Some(corner), Some(u), Some(v)) => (
+            DVec3::from_array(corner),
+            DVec3::from_array(u),
+            DVec3::from_array(v),
+        ),
+        _ => {
+            return Err(context.error(
+                field,
+                "gives only a part of `corner`, `u` and `v`",
+                "all three, or none for the square [-1, 1]² in the xy plane",
+            ));
+        }
+    };
+    let area = u.cross(v).length();
+    if area > 1e-12 * u.length() * v.length() {
+        Ok(Geometry::Rectangle { corner, u, v })
+    } else {
+        Err(context.error(
+            field,
+            format!("`u` {u} and `v` {v} span no area"),
+            "two edges in different directions",
+        ))
+    }
+}
+
+/// Six rectangles with outward normals.
+fn box_faces(context: &Context, table: &BoxTable, field: &str) -> Result<Vec<Part>, InputError> {
+    let (min, max) = match (table.min, table.max) {
+        (None, None) => (DVec3::NEG_ONE, DVec3::ONE),
+        (Some(min), Some(max)) => (DVec3::from_array(min), DVec3::from_array(max)),
+        _ => {
+            return Err(context.error(
+                field,
+                "gives only one of `min` and `max`",
+                "both, or none for the cube [-1, 1]³",
+            ));
+        }
+    };
+    if !min.cmplt(max).all() {
+        return Err(context.error(
+            field,
+            format!("`min` {min} is not below `max` {max} along every axis"),
+            "a box with a volume",
+        ));
+    }
+    let [x, y, z] = [
+        DVec3::X * (max.x - min.x),
+        DVec3::Y * (max.y - min.y),
+        DVec3::Z * (max.z - min.z),
+    ];
+    let faces = [
+        ("-x", min, z, y),
+        ("+x", min + x, y, z),
+        ("-y", min, x, z),
+        ("+y", min + y, z, x),
+        ("-z", min, y, x),
+        ("+z", min + z, x, y),
+    ];
+    Ok(faces
+        .into_iter()
+        .map(|(face, corner, u, v)| {
+            let name = format!(" (box face {face})");
+            (name, Geometry::Rectangle { corner, u, v })
+        })
+        .collect())
+}
+
+fn mesh_parts(
+    context: &mut Context,
+    table: &MeshTable,
+    field: &str,
+) -> Result<Vec<Part>, InputError> {
+    let file_field = format!("{field}.file");
+    let file = context
+        .folders
+        .resolve(&table.file, context.path, &file_field)?;
+    let meshes = mesh::read(&file, context.folders, &mut context.warnings)?;
+    Ok(meshes
+        .into_iter()
+        .map(|m| {
+            let name = if m.name.is_empty() {
+                m.name
+            } else {
+                format!(" ({})", m.name)
+            };
+            (name, Geometry::Mesh(m.mesh))
+        })
+        .collect())
+}
