@@ -8,7 +8,7 @@ pub const MAX_DEPTH: usize = 64;
 /// Most primitives in one leaf: the reference has three bits for the count.
 pub const MAX_LEAF_PRIMITIVES: u32 = 8;
 /// Marks a reference as a leaf.
-const LEAF: u32 = 0x8000_0000;
+pub const LEAF: u32 = 0x8000_0000;
 /// Cells of the grid per axis.
 const CELLS: f64 = 65_535.0;
 /// Boxes grow by this many cells before they are rounded outwards: more than the slab test's rounding, which is at

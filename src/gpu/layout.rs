@@ -105,3 +105,60 @@ pub fn lane_pixel(lane: u32) -> (u32, u32) {
     let y = ((lane >> 1) & 1) | ((lane >> 2) & 2) | ((lane >> 3) & 4);
     (x, y)
 }
+
+/// A constant that a shader module and the host share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SharedConstant {
+    /// The shader module, as in `import package::scene::fetch::…`.
+    pub module: &'static str,
+    /// Its name there.
+    pub name: &'static str,
+    /// Its value here.
+    pub value: u32,
+}
+
+macro_rules! shared {
+    ($($(#[$doc:meta])* $module:literal $name:ident = $value:expr;)*) => {
+        $($(#[$doc])* pub const $name: u32 = $value;)*
+
+        /// Everything that `tests/layout.rs` compares with the shaders.
+        pub const SHARED_CONSTANTS: &[SharedConstant] = &[
+            $(SharedConstant { module: $module, name: stringify!($name), value: $name },)*
+        ];
+    };
+}
+
+shared! {
+    /// No index.
+    "core::constants" NONE = u32::MAX;
+    /// Marks a reference to a leaf of the BVH.
+    "core::bvh" LEAF = crate::accel::flatten::LEAF;
+    /// A triangle.
+    "scene::fetch" KIND_TRIANGLE = 0;
+    /// A rectangle.
+    "scene::fetch" KIND_RECTANGLE = 1;
+    /// A disk.
+    "scene::fetch" KIND_DISK = 2;
+    /// A sphere.
+    "scene::fetch" KIND_SPHERE = 3;
+    /// Set in a primitive's head where its back does not exist.
+    "scene::fetch" ONE_SIDED_BIT = 4;
+    /// A triangle that emits.
+    "scene::fetch" LIGHT_TRIANGLE = 0;
+    /// A rectangle that emits.
+    "scene::fetch" LIGHT_RECTANGLE = 1;
+    /// A disk that emits.
+    "scene::fetch" LIGHT_DISK = 2;
+    /// A sphere that emits.
+    "scene::fetch" LIGHT_SPHERE = 3;
+    /// A point light.
+    "scene::fetch" LIGHT_POINT = 4;
+    /// A spot light.
+    "scene::fetch" LIGHT_SPOT = 5;
+    /// A directional light.
+    "scene::fetch" LIGHT_DIRECTIONAL = 6;
+    /// The environment.
+    "scene::fetch" LIGHT_ENVIRONMENT = 7;
+    /// Set in a light's head where its back emits as well.
+    "scene::fetch" TWO_SIDED_BIT = 8;
+}

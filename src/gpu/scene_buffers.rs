@@ -2,7 +2,11 @@
 
 use super::buffer::GpuBuffer;
 use super::context::Context;
-use super::layout::{Frame, TILE};
+use super::layout::{
+    Frame, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
+    LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, NONE,
+    ONE_SIDED_BIT, TILE, TWO_SIDED_BIT,
+};
 use crate::accel::{Node, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Emitters, row_height, texel_luminance};
 use crate::error::GpuError;
@@ -116,10 +120,8 @@ fn bits(x: f64) -> u32 {
     (x as f32).to_bits()
 }
 
-const NO_LIGHT: u32 = u32::MAX;
-
 fn primitive_words(prepared: &Prepared) -> Vec<Word> {
-    let mut light_of = vec![NO_LIGHT; prepared.primitives.len()];
+    let mut light_of = vec![NONE; prepared.primitives.len()];
     for (light, emitter) in prepared.emitters.lights.iter().enumerate() {
         if let Emitter::Area { primitive, .. } = emitter {
             light_of[*primitive as usize] = light as u32;
@@ -133,16 +135,17 @@ fn primitive_words(prepared: &Prepared) -> Vec<Word> {
 
 fn one_primitive(scene: &Scene, p: &Primitive, light: u32) -> [Word; 3] {
     let one_sided = !scene.materials[p.material.index()].double_sided;
-    let head = |kind: u32| kind | u32::from(one_sided) << 2 | p.material.0 << 3;
+    let side = if one_sided { ONE_SIDED_BIT } else { 0 };
+    let head = |kind: u32| kind | side | p.material.0 << 3;
     let planar = |kind: u32, a: DVec3, u: DVec3, v: DVec3| {
         [word(a, head(kind)), word(a + u, light), word(a + v, 0)]
     };
     match p.geometry {
-        PrimitiveGeometry::Triangle { a, u, v } => planar(0, a, u, v),
-        PrimitiveGeometry::Rectangle { a, u, v } => planar(1, a, u, v),
-        PrimitiveGeometry::Disk { a, u, v } => planar(2, a, u, v),
+        PrimitiveGeometry::Triangle { a, u, v } => planar(KIND_TRIANGLE, a, u, v),
+        PrimitiveGeometry::Rectangle { a, u, v } => planar(KIND_RECTANGLE, a, u, v),
+        PrimitiveGeometry::Disk { a, u, v } => planar(KIND_DISK, a, u, v),
         PrimitiveGeometry::Sphere { center, radius } => [
-            word(center, head(3)),
+            word(center, head(KIND_SPHERE)),
             word(DVec3::new(radius, 0.0, 0.0), light),
             [0; 4],
         ],
@@ -157,12 +160,6 @@ fn material_words(scene: &Scene) -> Vec<Word> {
     });
     words.collect()
 }
-
-const LIGHT_POINT: u32 = 4;
-const LIGHT_SPOT: u32 = 5;
-const LIGHT_DIRECTIONAL: u32 = 6;
-const LIGHT_ENVIRONMENT: u32 = 7;
-const TWO_SIDED: u32 = 8;
 
 fn light_words(prepared: &Prepared) -> Vec<Word> {
     let emitters: &Emitters = &prepared.emitters;
@@ -198,13 +195,13 @@ fn area_light(
     two_sided: bool,
     pmf: u32,
 ) -> [Word; 4] {
-    let flags = if two_sided { TWO_SIDED } else { 0 };
+    let flags = if two_sided { TWO_SIDED_BIT } else { 0 };
     let (kind, a, u, v) = match *geometry {
-        PrimitiveGeometry::Triangle { a, u, v } => (0, a, u, v),
-        PrimitiveGeometry::Rectangle { a, u, v } => (1, a, u, v),
-        PrimitiveGeometry::Disk { a, u, v } => (2, a, u, v),
+        PrimitiveGeometry::Triangle { a, u, v } => (LIGHT_TRIANGLE, a, u, v),
+        PrimitiveGeometry::Rectangle { a, u, v } => (LIGHT_RECTANGLE, a, u, v),
+        PrimitiveGeometry::Disk { a, u, v } => (LIGHT_DISK, a, u, v),
         PrimitiveGeometry::Sphere { center, radius } => {
-            (3, center, DVec3::new(radius, 0.0, 0.0), DVec3::ZERO)
+            (LIGHT_SPHERE, center, DVec3::new(radius, 0.0, 0.0), DVec3::ZERO)
         }
     };
     [

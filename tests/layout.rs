@@ -1,0 +1,108 @@
+//! Host structs and constants against the shaders': every member's name, offset and size, by naga's reflection.
+
+use direkt::gpu::layout::{self, Dispatch, Frame, PixelState};
+use direkt::gpu::shader::{Config, link_with};
+use std::mem::offset_of;
+
+/// A module that keeps all shared structs and constants alive.
+fn reflected() -> naga::Module {
+    let names: Vec<&str> = layout::SHARED_CONSTANTS.iter().map(|c| c.name).collect();
+    let mut source = String::from("import package::types::{Frame, Dispatch, PixelState};\n");
+    for c in layout::SHARED_CONSTANTS {
+        source += &format!("import package::{}::{};\n", c.module, c.name);
+    }
+    source += "@group(0) @binding(0) var<storage, read_write> frame: Frame;\n\
+               @group(0) @binding(1) var<storage, read_write> work: Dispatch;\n\
+               @group(0) @binding(2) var<storage, read_write> state: PixelState;\n\
+               @compute @workgroup_size(1) fn main() {\n\
+               frame.width = work.first_tile + state.samples;\n";
+    source += &format!("frame.height = {};\n}}\n", names.join(" + "));
+    let wgsl = link_with("test_layout", Some(&source), [], Config { stack_depth: 4 }).unwrap();
+    naga::front::wgsl::parse_str(&wgsl).unwrap()
+}
+
+struct Member {
+    name: &'static str,
+    offset: usize,
+    size: usize,
+}
+
+macro_rules! members {
+    ($ty:ident { $($field:ident),* $(,)? }) => {{
+        let value = $ty::default();
+        vec![$(Member {
+            name: stringify!($field),
+            offset: offset_of!($ty, $field),
+            size: size_of_val(&value.$field),
+        },)*]
+    }};
+}
+
+fn check(module: &naga::Module, name: &str, host_size: usize, host: &[Member]) {
+    let (_, ty) = module
+        .types
+        .iter()
+        .find(|(_, t)| t.name.as_deref() == Some(name))
+        .unwrap_or_else(|| panic!("the shaders have no struct {name}"));
+    let naga::TypeInner::Struct { members, span } = &ty.inner else {
+        panic!("{name} is no struct");
+    };
+    assert_eq!(*span as usize, host_size, "size of {name}");
+    assert_eq!(members.len(), host.len(), "number of members of {name}");
+    for (shader, host) in members.iter().zip(host) {
+        let shader_name = shader.name.as_deref().unwrap_or_default();
+        let shader_size = module.types[shader.ty].inner.size(module.to_ctx()) as usize;
+        assert_eq!(shader_name, host.name, "{name}");
+        assert_eq!(shader.offset as usize, host.offset, "offset of {name}.{}", host.name);
+        assert_eq!(shader_size, host.size, "size of {name}.{}", host.name);
+    }
+}
+
+#[test]
+fn structs_have_the_same_members() {
+    let module = reflected();
+    let frame = members!(Frame {
+        eye, width, right, height, up, seed, forward, tiles_per_row, grid_origin, root, grid_scale,
+        light_count, environment_x, environment_width, environment_y, environment_height,
+        environment_z, environment_selection, environment_radiance, far, environment_grid, padding,
+    });
+    let dispatch = members!(Dispatch {
+        block_start, first_tile, region_tile, target_position, fresh, padding,
+    });
+    let state = members!(PixelState {
+        mean, samples, m2, dropped, shadow_rays, bsdf_rays, first_nan, first_infinite,
+    });
+    check(&module, "Frame", size_of::<Frame>(), &frame);
+    check(&module, "Dispatch", size_of::<Dispatch>(), &dispatch);
+    check(&module, "PixelState", size_of::<PixelState>(), &state);
+}
+
+#[test]
+fn constants_have_the_same_values() {
+    let module = reflected();
+    for expected in layout::SHARED_CONSTANTS {
+        let (_, constant) = module
+            .constants
+            .iter()
+            .find(|(_, c)| c.name.as_deref() == Some(expected.name))
+            .unwrap_or_else(|| panic!("the shaders have no constant {}", expected.name));
+        let value = &module.global_expressions[constant.init];
+        let naga::Expression::Literal(naga::Literal::U32(value)) = value else {
+            panic!("{} is no u32 literal: {value:?}", expected.name);
+        };
+        assert_eq!(*value, expected.value, "{}", expected.name);
+    }
+}
+
+#[test]
+fn a_workgroup_is_a_tile() {
+    let wgsl = direkt::gpu::shader::link("kernel::direct", [], Config { stack_depth: 4 }).unwrap();
+    let module = naga::front::wgsl::parse_str(&wgsl).unwrap();
+    let entry = &module.entry_points[0];
+    assert_eq!(entry.workgroup_size, [layout::TILE_PIXELS, 1, 1]);
+    let mut seen: Vec<_> = (0..layout::TILE_PIXELS).map(layout::lane_pixel).collect();
+    seen.sort_unstable();
+    seen.dedup();
+    assert_eq!(seen.len(), layout::TILE_PIXELS as usize);
+    assert!(seen.iter().all(|&(x, y)| x < layout::TILE && y < layout::TILE));
+}

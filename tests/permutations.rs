@@ -1,0 +1,73 @@
+//! Every variant of the kernel that a scene uses, and each effect alone, links and is valid WGSL.
+
+use crate::support::{STRATEGIES, own_scenes};
+use direkt::effects::{Effect, Effects};
+use direkt::gpu::shader::{Config, link};
+use direkt::render::Prepared;
+use direkt::scene::LightSelection;
+
+const CONFIG: Config = Config { stack_depth: 16 };
+
+fn validate(effects: &Effects, what: &str) -> String {
+    let wgsl = link("kernel::direct", effects.features(), CONFIG)
+        .unwrap_or_else(|e| panic!("{what}: {e}"));
+    let module = naga::front::wgsl::parse_str(&wgsl)
+        .unwrap_or_else(|e| panic!("{what}: {}", e.emit_to_string(&wgsl)));
+    let mut validator = naga::valid::Validator::new(
+        naga::valid::ValidationFlags::all(),
+        naga::valid::Capabilities::default(),
+    );
+    if let Err(e) = validator.validate(&module) {
+        panic!("{what}: {}", e.emit_to_string(&wgsl));
+    }
+    wgsl
+}
+
+#[test]
+fn every_scene_links_under_every_strategy() {
+    for (name, scene) in own_scenes() {
+        for strategy in STRATEGIES {
+            let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
+            validate(&prepared.effects, &format!("{name}, {strategy}"));
+        }
+    }
+}
+
+#[test]
+fn every_effect_links_alone() {
+    for &effect in Effect::ALL {
+        let mut effects = Effects::default();
+        effects.call_for(effect, || "alone".to_owned());
+        validate(&effects, effect.name());
+    }
+}
+
+#[test]
+fn no_effect_and_all_effects_link() {
+    validate(&Effects::default(), "none");
+    let mut all = Effects::default();
+    for &effect in Effect::ALL {
+        all.call_for(effect, || "all".to_owned());
+    }
+    validate(&all, "all");
+}
+
+#[test]
+fn what_a_scene_does_not_call_for_is_not_in_its_shader() {
+    let scenes = own_scenes();
+    let (_, cornell) = scenes.iter().find(|(name, _)| name == "cornell.toml").unwrap();
+    let prepared = Prepared::new(cornell.clone(), direkt::scene::Strategy::LightArea, LightSelection::Power);
+    let wgsl = validate(&prepared.effects, "cornell.toml, light-area");
+    for absent in [
+        "intersect_sphere",
+        "intersect_triangle",
+        "ggx_distribution",
+        "environment_texels",
+        "sample_bsdf",
+        "alias_choice",
+        "spot_falloff",
+    ] {
+        assert!(!wgsl.contains(absent), "{absent} is in the shader of the Cornell box");
+    }
+    assert!(wgsl.contains("intersect_rectangle"));
+}

@@ -1,0 +1,101 @@
+//! What must not change an image, bit for bit.
+
+use crate::support::{context, floor_pixel, point_light, scene, take};
+use direkt::effects::Effect;
+use direkt::render::{Film, Prepared, Session, StopReason};
+use direkt::scene::{FilmSize, Scene};
+use glam::DVec3;
+
+fn small_cornell() -> Scene {
+    let mut scene = scene("scenes/cornell.toml");
+    scene.film = FilmSize { width: 63, height: 65 };
+    scene
+}
+
+fn prepared(scene: Scene) -> Prepared {
+    let settings = scene.render;
+    Prepared::new(scene, settings.strategy, settings.light_selection)
+}
+
+fn film_of(prepared: &Prepared, passes: &[u64]) -> Film {
+    let context = context();
+    let mut session = Session::new(&context, prepared, prepared.scene.film, 3).unwrap();
+    for &samples in passes {
+        assert_eq!(session.pass(samples, || false).unwrap(), StopReason::Done);
+    }
+    session.snapshot().unwrap().0
+}
+
+#[test]
+fn passes_may_be_cut_anywhere() {
+    let prepared = prepared(small_cornell());
+    let whole = film_of(&prepared, &[24]);
+    assert!(whole.pixels.iter().all(|p| p.samples == 24));
+    assert_eq!(whole, film_of(&prepared, &[1, 2, 20, 1]));
+    // Across the end of a block a pass stops, and the next begins a new block.
+    let long = film_of(&prepared, &[255, 40, 45]);
+    assert!(long.pixels.iter().all(|p| p.samples == 301));
+    assert_eq!(long, film_of(&prepared, &[256, 45]));
+}
+
+#[test]
+fn other_seeds_give_other_images() {
+    let context = context();
+    let prepared = prepared(small_cornell());
+    let films = [3, 4].map(|seed| {
+        let mut session = Session::new(&context, &prepared, prepared.scene.film, seed).unwrap();
+        take(&mut session, 4);
+        session.snapshot().unwrap().0
+    });
+    assert_ne!(films[0], films[1]);
+}
+
+#[test]
+fn unneeded_effects_compiled_in_change_nothing() {
+    let mut prepared = prepared(small_cornell());
+    let lean = film_of(&prepared, &[8]);
+    for &effect in Effect::ALL {
+        // A map would have to be bound, and an environment would be seen.
+        if !matches!(effect, Effect::Environment | Effect::EnvironmentMap) {
+            prepared.effects.call_for(effect, || "forced".to_owned());
+        }
+    }
+    assert_eq!(lean, film_of(&prepared, &[8]));
+}
+
+#[test]
+fn every_size_is_covered() {
+    for (width, height) in [(1, 1), (63, 65), (7, 300), (300, 1)] {
+        let mut scene = floor_pixel();
+        scene.lights.push(point_light(DVec3::new(0.0, 0.0, 2.0), 100.0));
+        scene.film = FilmSize { width, height };
+        let film = film_of(&prepared(scene), &[3]);
+        assert_eq!(film.pixels.len(), (width * height) as usize);
+        for pixel in &film.pixels {
+            assert_eq!(pixel.samples, 3, "{width} × {height}");
+            assert!((pixel.mean[0] - 3.978_873_577).abs() < 1e-3, "{width} × {height}: {pixel:?}");
+        }
+    }
+}
+
+/// Several regions: more tiles than one buffer holds.
+#[test]
+fn an_image_of_several_regions_is_covered() {
+    let mut scene = floor_pixel();
+    scene.lights.push(point_light(DVec3::new(0.0, 0.0, 2.0), 100.0));
+    scene.film = FilmSize { width: 4096, height: 300 };
+    let film = film_of(&prepared(scene), &[2]);
+    assert!(film.pixels.iter().all(|p| p.samples == 2 && (p.mean[0] - 3.978_873_577).abs() < 1e-2));
+}
+
+#[test]
+fn an_interrupted_pass_keeps_what_it_has() {
+    let context = context();
+    let prepared = prepared(small_cornell());
+    let mut session = Session::new(&context, &prepared, prepared.scene.film, 3).unwrap();
+    session.pass(2, || false).unwrap();
+    assert_eq!(session.pass(2, || true).unwrap(), StopReason::Interrupted);
+    let (film, rays) = session.snapshot().unwrap();
+    assert_eq!(film, film_of(&prepared, &[2]));
+    assert_eq!(rays.camera, 2 * 63 * 65);
+}

@@ -1,0 +1,6 @@
+//! Images against exact values, strategies against each other, and what must not change an image.
+
+mod invariance;
+mod ledger;
+mod one_pixel;
+mod strategies;

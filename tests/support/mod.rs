@@ -1,0 +1,136 @@
+//! What several tests share.
+
+use direkt::gpu::Context;
+use direkt::render::{Film, Prepared, Session, StopReason};
+use direkt::scene::load::{LoadOptions, load};
+use direkt::scene::{
+    Bsdf, Camera, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings, Scene, Shape,
+    Strategy,
+};
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+
+/// All strategies.
+pub const STRATEGIES: [Strategy; 3] = [Strategy::LightArea, Strategy::Bsdf, Strategy::MisPower];
+
+/// The adapter under test. No adapter is a failure.
+pub fn context() -> Context {
+    Context::new(None).expect("the tests need a GPU adapter: run them by ./lavapipe")
+}
+
+/// A folder or file of the project.
+pub fn project(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// Loads a scene of the project.
+pub fn scene(path: &str) -> Scene {
+    load(&project(path), &LoadOptions::default()).unwrap()
+}
+
+/// Every scene of `scenes/` that needs nothing from outside the project.
+pub fn own_scenes() -> Vec<(String, Scene)> {
+    let mut names: Vec<_> = std::fs::read_dir(project("scenes"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.ends_with(".toml") && !NEEDS_ASSETS.contains(&name.as_str()))
+        .collect();
+    names.sort();
+    assert!(!names.is_empty());
+    let load = |name: String| (name.clone(), scene(&format!("scenes/{name}")));
+    names.into_iter().map(load).collect()
+}
+
+/// Scenes whose models and maps the user has to bring.
+pub const NEEDS_ASSETS: [&str; 2] = ["bunny.toml", "helmet.toml"];
+
+/// Renders `scene` with its own settings.
+pub fn render(context: &Context, scene: Scene) -> Film {
+    let settings = scene.render;
+    let film = scene.film;
+    let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    let mut session = Session::new(context, &prepared, film, settings.seed).unwrap();
+    take(&mut session, settings.spp);
+    session.snapshot().unwrap().0
+}
+
+/// Takes every pixel to `spp` samples.
+pub fn take(session: &mut Session<'_>, spp: u64) {
+    while session.samples() < spp {
+        let samples = session.pass_samples(spp - session.samples());
+        assert_eq!(session.pass(samples, || false).unwrap(), StopReason::Done);
+    }
+}
+
+/// A Lambert material, both of its sides.
+pub fn lambert(reflectance: f64) -> Material {
+    Material {
+        name: "lambert".to_owned(),
+        bsdf: Bsdf::Lambert {
+            reflectance: DVec3::splat(reflectance),
+        },
+        double_sided: true,
+    }
+}
+
+/// A shape of material 0 that does not emit.
+pub fn shape(name: &str, geometry: Geometry) -> Shape {
+    Shape {
+        name: name.to_owned(),
+        geometry,
+        material: MaterialId(0),
+        emission: None,
+    }
+}
+
+/// One pixel that sees the origin of the plane z = 0 (normal +z, Lambert with ρ = ½), so small that what it sees
+/// does not vary; a square of side 20 around the origin stands for the plane.
+pub fn floor_pixel() -> Scene {
+    let floor = Geometry::Rectangle {
+        corner: DVec3::new(-10.0, -10.0, 0.0),
+        u: DVec3::new(20.0, 0.0, 0.0),
+        v: DVec3::new(0.0, 20.0, 0.0),
+    };
+    Scene {
+        source: PathBuf::from("floor pixel"),
+        camera: Camera::look_at(DVec3::new(1.0, -3.0, 2.0), DVec3::ZERO, DVec3::Z, 1e-5).unwrap(),
+        film: FilmSize {
+            width: 1,
+            height: 1,
+        },
+        materials: vec![lambert(0.5)],
+        shapes: vec![shape("floor", floor)],
+        lights: vec![],
+        environment: None,
+        render: RenderSettings {
+            spp: 16,
+            ..RenderSettings::default()
+        },
+        warnings: vec![],
+    }
+}
+
+/// A point light.
+pub fn point_light(position: DVec3, intensity: f64) -> Light {
+    Light::Point {
+        position,
+        intensity: DVec3::splat(intensity),
+    }
+}
+
+/// Asserts that the one pixel of `film` is `expected` within 4.5 of its own standard errors and a relative 2e-5 of
+/// f32 rounding, in every channel.
+pub fn assert_pixel(film: &Film, expected: f64, what: &str) {
+    let pixel = &film.pixels[0];
+    let error = pixel.variance_of_mean().expect("two samples or more");
+    assert_eq!(film.ledger.dropped, 0, "{what}: non-finite samples");
+    for c in 0..3 {
+        let bound = 4.5 * error[c].sqrt() + 2e-5 * expected.abs();
+        let difference = (pixel.mean[c] - expected).abs();
+        assert!(
+            difference <= bound,
+            "{what}, channel {c}: {} differs from {expected} by {difference:.3e}, bound {bound:.3e}",
+            pixel.mean[c]
+        );
+    }
+}
