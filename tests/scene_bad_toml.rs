@@ -314,6 +314,14 @@ fn files_that_a_scene_names() {
     );
     folder.write(
         "sky.hdr",
+        "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 32768 +X 32768\n",
+    );
+    assert_eq!(
+        folder.load("scene.toml").expect_err("it must be refused"),
+        "DIR/sky.hdr: is truncated: 32768 x 32768 texels in 53 bytes; expected the whole image"
+    );
+    folder.write(
+        "sky.hdr",
         "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 32 +X 32\n",
     );
     let message = folder.load("scene.toml").expect_err("it must be refused");

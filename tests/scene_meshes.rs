@@ -130,10 +130,6 @@ fn bad_ply_files() {
 #[test]
 fn damaged_ply_files_do_not_panic() {
     for bytes in [ascii().into_bytes(), binary(false)] {
-        let header = bytes
-            .windows(10)
-            .position(|w| w == b"end_header")
-            .expect("a header");
         for length in 0..bytes.len() {
             let loaded = load_mesh("m.ply", &bytes[..length]);
             // Whole elements may be missing from an ascii file only by a missing last digit or newline.
@@ -143,8 +139,7 @@ fn damaged_ply_files_do_not_panic() {
             for value in [0u8, b'9', b'-', 0xff] {
                 let mut damaged = bytes.clone();
                 damaged[at] = value;
-                let loaded = load_mesh("m.ply", &damaged);
-                assert!(at > header || loaded.is_ok() || loaded.is_err());
+                let _ = load_mesh("m.ply", &damaged);
             }
         }
     }
@@ -179,7 +174,21 @@ fn obj_files() {
     }
 }
 
-/// HARD_CASES I1: degenerate triangles go, and nothing else changes.
+/// As for PLY: damage makes another mesh or an error.
+#[test]
+fn damaged_obj_files_do_not_panic() {
+    let text = "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0 1 1 1\nvt 0 0\nvn 0 0 1\nusemtl m\ns 1\nf 1/1/1 2/1/1 3/1/1\nf -3 -2 -1\nl 1 2\n";
+    for length in 0..text.len() {
+        let _ = load_mesh("m.obj", &text[..length]);
+        for value in [0u8, b'9', b'-', b'/', b'.', b'\n', 0xff] {
+            let mut damaged = text.as_bytes().to_vec();
+            damaged[length] = value;
+            let _ = load_mesh("m.obj", &damaged);
+        }
+    }
+}
+
+/// Degenerate triangles go, and nothing else changes.
 #[test]
 fn degenerate_triangles_are_counted() {
     let text =
@@ -217,7 +226,7 @@ fn gltf_meshes_bring_their_geometry_alone() {
             .all(|s| s.emission.is_none() && s.material.index() == 0)
     );
     assert_eq!(scene.materials.len(), 1);
-    assert_eq!(scene.shapes[0].name, "shapes[0]: box (Light (mesh 0))");
+    assert_eq!(scene.shapes[0].name, "shapes[0]: box: Light (mesh 0)");
 }
 
 #[test]

@@ -128,3 +128,32 @@ pub fn load_gltf(json: &Value) -> Result<Scene, String> {
     folder.write("scene.gltf", json.to_string());
     folder.load("scene.gltf")
 }
+
+/// A GLB of a JSON chunk and a binary chunk.
+pub fn glb(json: &Value, bin: &[u8]) -> Vec<u8> {
+    let mut text = json.to_string().into_bytes();
+    while !text.len().is_multiple_of(4) {
+        text.push(b' ');
+    }
+    let mut bytes = b"glTF".to_vec();
+    bytes.extend(2u32.to_le_bytes());
+    bytes.extend((12 + 8 + text.len() as u32 + 8 + bin.len() as u32).to_le_bytes());
+    bytes.extend((text.len() as u32).to_le_bytes());
+    bytes.extend(b"JSON");
+    bytes.extend(&text);
+    bytes.extend((bin.len() as u32).to_le_bytes());
+    bytes.extend(b"BIN\0");
+    bytes.extend(bin);
+    bytes
+}
+
+/// The triangle as GLB.
+pub fn triangle_glb() -> Vec<u8> {
+    let mut bin: Vec<u8> = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
+    bin.extend([0u8, 0, 1, 0, 2, 0, 0, 0]);
+    let json = with(triangle_gltf(), "/buffers", json!([{ "byteLength": 42 }]));
+    glb(&json, &bin)
+}

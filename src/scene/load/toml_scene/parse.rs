@@ -1,6 +1,7 @@
-//! From text to the types of [`super::format`], with errors that name the line and the field.
+//! From text to the types of [`super::format`] and [`super::format_shapes`], with errors that name the line and the field.
 
-use super::format::{Rgb, Scale, SceneFile};
+use super::format::{Rgb, SceneFile};
+use super::format_shapes::Scale;
 use crate::error::InputError;
 use serde::de::{Deserialize, Deserializer, Error as _, SeqAccess, Visitor};
 use serde_path_to_error::Segment;
