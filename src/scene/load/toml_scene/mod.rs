@@ -1,4 +1,4 @@
-//! The TOML scene format: what a file may say is in [`format`] and [`format_shapes`], how its text becomes those types in [`parse`], and
+//! The TOML scene format: what a file may say is in [`mod@format`] and [`format_shapes`], how its text becomes those types in [`parse`], and
 //! what they mean in [`build`] and [`shapes`].
 
 mod build;

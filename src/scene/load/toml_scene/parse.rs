@@ -1,4 +1,4 @@
-//! From text to the types of [`super::format`] and [`super::format_shapes`], with errors that name the line and the field.
+//! From text to the types of [`mod@super::format`] and [`super::format_shapes`], with errors that name the line and the field.
 
 use super::format::{Rgb, SceneFile};
 use super::format_shapes::Scale;
