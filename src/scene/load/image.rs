@@ -9,6 +9,8 @@ use std::path::Path;
 
 /// Longest side of a map.
 const MAX_SIDE: u32 = 32_768;
+/// Most texels per byte of a file: far above what its compression reaches, so that a short file cannot ask for memory.
+const MAX_TEXELS_PER_BYTE: u64 = 4096;
 
 /// Reads a latitude-longitude map. Texels that are negative or not finite become black; `warnings` gets their number.
 pub(super) fn read_environment(
@@ -36,6 +38,16 @@ pub(super) fn read_environment(
             path,
             format!("is an image of {width} x {height} texels"),
             format!("1 to {MAX_SIDE} texels per side"),
+        ));
+    }
+    if u64::from(width) * u64::from(height) > MAX_TEXELS_PER_BYTE * bytes.len() as u64 {
+        return Err(InputError::file(
+            path,
+            format!(
+                "is truncated: {width} x {height} texels in {} bytes",
+                bytes.len()
+            ),
+            "the whole image",
         ));
     }
     let mut decoder = reader();

@@ -80,7 +80,11 @@ impl Document {
             self.error(
                 field(),
                 format!("{kind} {index} is out of range"),
-                format!("an index into the {} {kind}s", list.len()),
+                match list.len() {
+                    0 => format!("no reference: the file has no {kind}"),
+                    1 => "0, the only one".to_owned(),
+                    n => format!("0 to {}", n - 1),
+                },
             )
         })
     }

@@ -73,31 +73,7 @@ fn convert(
             irradiance: power,
         }),
         Checked::Valid(khr::Type::Spot) => {
-            let spot = light.spot.as_ref().ok_or_else(|| {
-                document.error(
-                    format!("{field}.spot"),
-                    "is missing",
-                    "the cone of the spot light",
-                )
-            })?;
-            let inner_angle = f64::from(spot.inner_cone_angle);
-            // π/2 in f32 lies above π/2.
-            let outer_angle = f64::from(spot.outer_cone_angle) - 1e-7;
-            let outer_angle = if outer_angle <= FRAC_PI_2 {
-                f64::from(spot.outer_cone_angle).min(FRAC_PI_2)
-            } else {
-                f64::NAN
-            };
-            if !(0.0 <= inner_angle && inner_angle <= outer_angle && outer_angle > 0.0) {
-                return Err(document.error(
-                    format!("{field}.spot"),
-                    format!(
-                        "innerConeAngle is {} and outerConeAngle {}",
-                        spot.inner_cone_angle, spot.outer_cone_angle
-                    ),
-                    "0 <= inner < outer <= π/2",
-                ));
-            }
+            let (inner_angle, outer_angle) = cone(document, light, field)?;
             Ok(Light::Spot {
                 position,
                 direction,
@@ -112,6 +88,36 @@ fn convert(
             "point, spot or directional",
         )),
     }
+}
+
+/// The half angles of full intensity and of none, in radians.
+fn cone(document: &Document, light: &khr::Light, field: &str) -> Result<(f64, f64), InputError> {
+    let spot = light.spot.as_ref().ok_or_else(|| {
+        document.error(
+            format!("{field}.spot"),
+            "is missing",
+            "the cone of the spot light",
+        )
+    })?;
+    let inner_angle = f64::from(spot.inner_cone_angle);
+    // π/2 in f32 lies above π/2.
+    let outer_angle = f64::from(spot.outer_cone_angle) - 1e-7;
+    let outer_angle = if outer_angle <= FRAC_PI_2 {
+        f64::from(spot.outer_cone_angle).min(FRAC_PI_2)
+    } else {
+        f64::NAN
+    };
+    if !(0.0 <= inner_angle && inner_angle <= outer_angle && outer_angle > 0.0) {
+        return Err(document.error(
+            format!("{field}.spot"),
+            format!(
+                "innerConeAngle is {} and outerConeAngle {}",
+                spot.inner_cone_angle, spot.outer_cone_angle
+            ),
+            "0 <= inner < outer <= π/2",
+        ));
+    }
+    Ok((inner_angle, outer_angle))
 }
 
 /// Colour times intensity.

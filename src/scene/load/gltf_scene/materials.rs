@@ -94,35 +94,44 @@ impl<'a> Materials<'a> {
             },
             double_sided: json.double_sided,
         };
-        let strength = json
-            .extensions
-            .as_ref()
-            .and_then(|e| e.emissive_strength.as_ref())
-            .map_or(1.0, |s| f64::from(s.emissive_strength.0));
-        let factor = DVec3::from_array(json.emissive_factor.0.map(f64::from));
-        for (value, what) in [
-            (
-                strength,
-                "extensions.KHR_materials_emissive_strength.emissiveStrength",
-            ),
-            (factor.min_element(), "emissiveFactor"),
-            (factor.max_element(), "emissiveFactor"),
-        ] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(document.error(
-                    format!("{name}.{what}"),
-                    format!("is {value}"),
-                    "a finite number, not negative",
-                ));
-            }
-        }
-        let radiance = factor * strength;
-        let emission = (radiance.max_element() > 0.0).then_some(Emission {
-            radiance,
-            two_sided: json.double_sided,
-        });
+        let emission = emission(document, json, &name)?;
         Ok((material, emission))
     }
+}
+
+/// Emissive factor times strength; the back of a double-sided material emits as well.
+fn emission(
+    document: &Document,
+    json: &gltf::json::Material,
+    name: &str,
+) -> Result<Option<Emission>, InputError> {
+    let strength = json
+        .extensions
+        .as_ref()
+        .and_then(|e| e.emissive_strength.as_ref())
+        .map_or(1.0, |s| f64::from(s.emissive_strength.0));
+    let factor = DVec3::from_array(json.emissive_factor.0.map(f64::from));
+    for (value, what) in [
+        (
+            strength,
+            "extensions.KHR_materials_emissive_strength.emissiveStrength",
+        ),
+        (factor.min_element(), "emissiveFactor"),
+        (factor.max_element(), "emissiveFactor"),
+    ] {
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(document.error(
+                format!("{name}.{what}"),
+                format!("is {value}"),
+                "a finite number, not negative",
+            ));
+        }
+    }
+    let radiance = factor * strength;
+    Ok((radiance.max_element() > 0.0).then_some(Emission {
+        radiance,
+        two_sided: json.double_sided,
+    }))
 }
 
 /// What glTF 2.0 prescribes for a primitive without material: all properties at their defaults.

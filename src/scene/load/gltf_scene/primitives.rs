@@ -6,7 +6,7 @@ use super::{accessors, transform_error};
 use crate::error::InputError;
 use crate::scene::load::transform;
 use crate::scene::{Geometry, Mesh};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use std::collections::HashMap;
@@ -56,7 +56,7 @@ impl<'a> Primitives<'a> {
             .as_ref()
             .or(mesh.name.as_ref())
             .map_or_else(|| format!("node {}", node.index), Clone::clone);
-        if node.to_world.matrix3.to_cols_array() == [0.0; 9] {
+        if node.to_world.matrix3 == DMat3::ZERO {
             warnings.push(format!(
                 "{}: {label} is hidden by a scale of 0",
                 document.file_name()

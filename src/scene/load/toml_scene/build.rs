@@ -1,8 +1,7 @@
 //! What the tables of a scene file mean.
 
-use super::format::{
-    CameraTable, FilmTable, GltfTable, MaterialKind, MaterialTable, SceneFile, TransformStep,
-};
+use super::format::{CameraTable, FilmTable, GltfTable, MaterialKind, MaterialTable, SceneFile};
+use super::format_shapes::TransformStep;
 use super::{lights, shapes};
 use crate::error::InputError;
 use crate::scene::load::files::{self, Folders};

@@ -1,8 +1,9 @@
-//! The TOML scene format: what a file may say is in [`format`], how its text becomes those types in [`parse`], and
+//! The TOML scene format: what a file may say is in [`mod@format`] and [`format_shapes`], how its text becomes those types in [`parse`], and
 //! what they mean in [`build`] and [`shapes`].
 
 mod build;
 mod format;
+mod format_shapes;
 mod lights;
 mod parse;
 mod shapes;

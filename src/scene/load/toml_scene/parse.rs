@@ -1,6 +1,7 @@
-//! From text to the types of [`super::format`], with errors that name the line and the field.
+//! From text to the types of [`mod@super::format`] and [`super::format_shapes`], with errors that name the line and the field.
 
-use super::format::{Rgb, Scale, SceneFile};
+use super::format::{Rgb, SceneFile};
+use super::format_shapes::Scale;
 use crate::error::InputError;
 use serde::de::{Deserialize, Deserializer, Error as _, SeqAccess, Visitor};
 use serde_path_to_error::Segment;
@@ -99,12 +100,15 @@ fn steps(path: &serde_path_to_error::Path) -> Vec<Step> {
             Segment::Unknown => None,
         })
         .collect();
-    let is_tagged =
-        matches!(steps.first(), Some(Step::Key(k)) if TAGGED.iter().any(|(l, _)| l == k));
-    if is_tagged && steps.get(2) == Some(&Step::Key("kind".to_owned())) {
+    if is_tagged(&steps) && steps.get(2) == Some(&Step::Key("kind".to_owned())) {
         steps.drain(2..steps.len().min(4));
     }
     steps
+}
+
+/// Whether the way leads into one of the [`TAGGED`] tables.
+fn is_tagged(steps: &[Step]) -> bool {
+    matches!(steps.first(), Some(Step::Key(key)) if TAGGED.iter().any(|(list, _)| list == key))
 }
 
 fn join(steps: &[Step]) -> String {
@@ -176,13 +180,32 @@ fn field_error(path: &Path, text: &str, steps: &[Step], message: &str) -> InputE
             }
         }
     }
-    // `kind` is ours: such a message is about the table's type.
-    let expected = expected.replace("`kind`, ", "");
     let problem = problem
         .replace("unknown field", "unknown key")
-        .replace("missing field", "missing key")
-        .replace("unknown variant", "unknown type");
-    located(path, text, steps, &problem, expected)
+        .replace("missing field", "missing key");
+    let Some(variant) = unknown_variant(&problem) else {
+        return located(path, text, steps, &problem, expected);
+    };
+    // An enum is a table's `type`, a table with one key (a step of a transform), or a plain value.
+    let mut steps = steps.to_vec();
+    let word = match steps.last() {
+        _ if steps.len() == 2 && is_tagged(&steps) => {
+            steps.push(Step::Key("type".to_owned()));
+            "type"
+        }
+        Some(Step::Index(_)) => {
+            steps.push(Step::Key(variant.clone()));
+            "key"
+        }
+        _ => "value",
+    };
+    let problem = format!("unknown {word} `{variant}`");
+    located(path, text, &steps, &problem, expected)
+}
+
+fn unknown_variant(problem: &str) -> Option<String> {
+    let rest = problem.strip_prefix("unknown variant `")?;
+    Some(rest.strip_suffix('`')?.to_owned())
 }
 
 fn syntax_error(path: &Path, text: &str, error: &toml::de::Error) -> InputError {

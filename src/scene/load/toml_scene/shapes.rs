@@ -1,7 +1,7 @@
 //! The `[[shapes]]` tables.
 
 use super::build::{Context, direction, placement};
-use super::format::{BoxTable, MeshTable, RectangleTable, ShapeKind, ShapeTable};
+use super::format_shapes::{BoxTable, MeshTable, RectangleTable, ShapeKind, ShapeTable};
 use crate::error::InputError;
 use crate::scene::load::mesh;
 use crate::scene::load::transform;
@@ -206,7 +206,7 @@ fn mesh_parts(
             let name = if m.name.is_empty() {
                 m.name
             } else {
-                format!(" ({})", m.name)
+                format!(": {}", m.name)
             };
             (name, Geometry::Mesh(m.mesh))
         })
