@@ -29,8 +29,20 @@ fn render_writes_exr_png_and_json() {
     let folder = tempfile::tempdir().unwrap();
     let [exr, png, json] = ["a.exr", "a.png", "a.json"].map(|n| folder.path().join(n));
     let (code, stdout, stderr) = run(&[
-        "render", "scenes/cornell.toml", "-o", text(&exr), "-o", text(&png), "--spp", "3",
-        "--size", "24x16", "--seed", "5", "--json", text(&json),
+        "render",
+        "scenes/cornell.toml",
+        "-o",
+        text(&exr),
+        "-o",
+        text(&png),
+        "--spp",
+        "3",
+        "--size",
+        "24x16",
+        "--seed",
+        "5",
+        "--json",
+        text(&json),
     ]);
     assert_eq!((code, stdout.as_str()), (0, ""), "{stderr}");
     let names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().collect();
@@ -42,14 +54,32 @@ fn render_writes_exr_png_and_json() {
 
     let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
     for key in [
-        "scene", "adapter", "width", "height", "spp", "passes", "seconds", "rays", "samples_per_second",
-        "rays_per_second", "error", "non_finite", "effects", "strategy", "light_selection", "sampler", "seed",
+        "scene",
+        "adapter",
+        "width",
+        "height",
+        "spp",
+        "passes",
+        "seconds",
+        "rays",
+        "samples_per_second",
+        "rays_per_second",
+        "error",
+        "non_finite",
+        "effects",
+        "strategy",
+        "light_selection",
+        "sampler",
+        "seed",
         "image_mean",
     ] {
         assert!(!report[key].is_null(), "{key} is missing");
     }
     for key in ["load", "accel", "compile", "render", "total"] {
-        assert!(report["seconds"][key].as_f64().unwrap() >= 0.0, "seconds.{key}");
+        assert!(
+            report["seconds"][key].as_f64().unwrap() >= 0.0,
+            "seconds.{key}"
+        );
     }
     assert_eq!(report["spp"], 3);
     assert_eq!(report["rays"]["camera"], 3 * 24 * 16);
@@ -63,13 +93,35 @@ fn render_writes_exr_png_and_json() {
 fn check_exr(path: &Path, report: &Value) {
     let image = exr::prelude::read_all_flat_layers_from_file(path).unwrap();
     let layer = &image.layer_data[0];
-    let channels: Vec<String> = layer.channel_data.list.iter().map(|c| c.name.to_string()).collect();
-    let expected = ["B", "G", "R", "samples", "standard_error.B", "standard_error.G", "standard_error.R"];
+    let channels: Vec<String> = layer
+        .channel_data
+        .list
+        .iter()
+        .map(|c| c.name.to_string())
+        .collect();
+    let expected = [
+        "B",
+        "G",
+        "R",
+        "samples",
+        "standard_error.B",
+        "standard_error.G",
+        "standard_error.R",
+    ];
     assert_eq!(channels, expected);
     for channel in &layer.channel_data.list {
-        assert!(channel.sample_data.values_as_f32().all(f32::is_finite), "{}", channel.name);
+        assert!(
+            channel.sample_data.values_as_f32().all(f32::is_finite),
+            "{}",
+            channel.name
+        );
     }
-    assert!(layer.channel_data.list[3].sample_data.values_as_f32().all(|n| (n - 3.0).abs() < 0.1));
+    assert!(
+        layer.channel_data.list[3]
+            .sample_data
+            .values_as_f32()
+            .all(|n| (n - 3.0).abs() < 0.1)
+    );
     let other = &layer.attributes.other;
     for (name, value) in [
         ("seed", "5"),
@@ -79,11 +131,20 @@ fn check_exr(path: &Path, report: &Value) {
         ("driver", report["adapter"]["driver"].as_str().unwrap()),
         ("direkt", env!("CARGO_PKG_VERSION")),
     ] {
-        let attribute = other.get(&exr::prelude::Text::from(name)).unwrap_or_else(|| panic!("no {name}"));
-        assert_eq!(*attribute, exr::prelude::AttributeValue::Text(value.into()), "{name}");
+        let attribute = other
+            .get(&exr::prelude::Text::from(name))
+            .unwrap_or_else(|| panic!("no {name}"));
+        assert_eq!(
+            *attribute,
+            exr::prelude::AttributeValue::Text(value.into()),
+            "{name}"
+        );
     }
     for name in ["command", "seconds"] {
-        assert!(other.contains_key(&exr::prelude::Text::from(name)), "{name}");
+        assert!(
+            other.contains_key(&exr::prelude::Text::from(name)),
+            "{name}"
+        );
     }
 }
 
@@ -92,7 +153,16 @@ fn json_on_stdout_is_alone_there() {
     let folder = tempfile::tempdir().unwrap();
     let png = folder.path().join("a.png");
     let (code, stdout, _) = run(&[
-        "render", "scenes/cornell.toml", "-o", text(&png), "--spp", "1", "--size", "8x8", "--json", "-",
+        "render",
+        "scenes/cornell.toml",
+        "-o",
+        text(&png),
+        "--spp",
+        "1",
+        "--size",
+        "8x8",
+        "--json",
+        "-",
     ]);
     assert_eq!(code, 0);
     assert!(serde_json::from_str::<Value>(&stdout).is_ok(), "{stdout}");
@@ -109,8 +179,14 @@ fn bad_input_ends_with_2_and_touches_no_output() {
         std::fs::write(&path, content).unwrap();
         path
     };
-    let nan = scene("nan.toml", "[camera]\neye = [nan, 0, 1]\ntarget = [0, 0, 0]\nfov = 40\n");
-    let unknown = scene("unknown.toml", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 40\nlense = 1\n");
+    let nan = scene(
+        "nan.toml",
+        "[camera]\neye = [nan, 0, 1]\ntarget = [0, 0, 0]\nfov = 40\n",
+    );
+    let unknown = scene(
+        "unknown.toml",
+        "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 40\nlense = 1\n",
+    );
     let truncated = scene("truncated.glb", "glTF\u{2}\0\0\0");
     let cases: [(&[&str], &str); 10] = [
         (&["scenes/missing.toml"], "scenes/missing.toml"),
@@ -121,7 +197,10 @@ fn bad_input_ends_with_2_and_touches_no_output() {
         (&["scenes/cornell.toml", "--spp", "0"], "--spp 0"),
         (&["scenes/cornell.toml", "--size", "0x4"], "0x4"),
         (&["scenes/cornell.toml", "--time", "-1"], "-1"),
-        (&["scenes/cornell.toml", "--adapter", "no such adapter"], "no such adapter"),
+        (
+            &["scenes/cornell.toml", "--adapter", "no such adapter"],
+            "no such adapter",
+        ),
         (&["scenes/cornell.toml", "--exposure", "nan"], "--exposure"),
     ];
     for (arguments, named) in cases {
@@ -129,9 +208,16 @@ fn bad_input_ends_with_2_and_touches_no_output() {
         all.extend(arguments);
         let (code, _, stderr) = run(&all);
         assert_eq!(code, 2, "{arguments:?}: {stderr}");
-        assert!(stderr.contains(named), "{arguments:?} does not name {named}: {stderr}");
+        assert!(
+            stderr.contains(named),
+            "{arguments:?} does not name {named}: {stderr}"
+        );
         assert!(!stderr.contains("panicked"), "{stderr}");
-        assert_eq!(std::fs::read_to_string(&out).unwrap(), "old", "{arguments:?}");
+        assert_eq!(
+            std::fs::read_to_string(&out).unwrap(),
+            "old",
+            "{arguments:?}"
+        );
     }
 }
 
@@ -155,13 +241,23 @@ fn an_interrupt_writes_the_image_so_far() {
     let folder = tempfile::tempdir().unwrap();
     let [png, json] = ["a.png", "a.json"].map(|n| folder.path().join(n));
     let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("direkt"))
-        .args(["render", "scenes/cornell.toml", "--size", "64x64", "--time", "600", "-q"])
+        .args([
+            "render",
+            "scenes/cornell.toml",
+            "--size",
+            "64x64",
+            "--time",
+            "600",
+            "-q",
+        ])
         .args(["-o", text(&png), "--json", text(&json)])
         .current_dir(env!("CARGO_MANIFEST_DIR"))
         .spawn()
         .unwrap();
     std::thread::sleep(std::time::Duration::from_secs(4));
-    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    let killed = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
     assert!(killed.unwrap().success());
     assert!(child.wait().unwrap().success());
     assert!(image::open(&png).is_ok());
@@ -175,7 +271,16 @@ fn time_limits_a_render() {
     let folder = tempfile::tempdir().unwrap();
     let [png, json] = ["a.png", "a.json"].map(|n| folder.path().join(n));
     let (code, _, stderr) = run(&[
-        "render", "scenes/cornell.toml", "--size", "64x64", "--time", "1.5", "-o", text(&png), "--json", text(&json),
+        "render",
+        "scenes/cornell.toml",
+        "--size",
+        "64x64",
+        "--time",
+        "1.5",
+        "-o",
+        text(&png),
+        "--json",
+        text(&json),
     ]);
     assert_eq!(code, 0, "{stderr}");
     let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
@@ -200,7 +305,15 @@ fn the_schema_is_json_and_knows_the_tables() {
     let (code, stdout, _) = run(&["explain", "--schema"]);
     assert_eq!(code, 0);
     let schema: Value = serde_json::from_str(&stdout).unwrap();
-    for table in ["camera", "film", "materials", "shapes", "lights", "environment", "render"] {
+    for table in [
+        "camera",
+        "film",
+        "materials",
+        "shapes",
+        "lights",
+        "environment",
+        "render",
+    ] {
         assert!(schema["properties"][table].is_object(), "{table}");
     }
 }

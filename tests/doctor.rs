@@ -8,11 +8,20 @@ fn every_canary_counts_and_only_known_drivers_cut_loops() {
     let context = context();
     let budget = loop_budget(&context).unwrap();
     for canary in &budget.canaries {
-        assert!(canary.ran > 0 && canary.ran <= canary.expected, "{}: {canary:?}", context.adapter.name);
+        assert!(
+            canary.ran > 0 && canary.ran <= canary.expected,
+            "{}: {canary:?}",
+            context.adapter.name
+        );
     }
     // Mesa 22's lavapipe ends all loops of an invocation after 65,535 iterations; nothing else is known to.
     let old_lavapipe = context.adapter.software && context.adapter.driver.contains("Mesa 22.");
-    assert_eq!(budget.is_unlimited(), !old_lavapipe, "{:?}: {budget:?}", context.adapter);
+    assert_eq!(
+        budget.is_unlimited(),
+        !old_lavapipe,
+        "{:?}: {budget:?}",
+        context.adapter
+    );
 }
 
 #[test]

@@ -53,7 +53,11 @@ fn check(module: &naga::Module, name: &str, host_size: usize, host: &[Member]) {
         let shader_name = shader.name.as_deref().unwrap_or_default();
         let shader_size = module.types[shader.ty].inner.size(module.to_ctx()) as usize;
         assert_eq!(shader_name, host.name, "{name}");
-        assert_eq!(shader.offset as usize, host.offset, "offset of {name}.{}", host.name);
+        assert_eq!(
+            shader.offset as usize, host.offset,
+            "offset of {name}.{}",
+            host.name
+        );
         assert_eq!(shader_size, host.size, "size of {name}.{}", host.name);
     }
 }
@@ -62,15 +66,46 @@ fn check(module: &naga::Module, name: &str, host_size: usize, host: &[Member]) {
 fn structs_have_the_same_members() {
     let module = reflected();
     let frame = members!(Frame {
-        eye, width, right, height, up, seed, forward, tiles_per_row, grid_origin, root, grid_scale,
-        light_count, environment_x, environment_width, environment_y, environment_height,
-        environment_z, environment_selection, environment_radiance, far, environment_grid, padding,
+        eye,
+        width,
+        right,
+        height,
+        up,
+        seed,
+        forward,
+        tiles_per_row,
+        grid_origin,
+        root,
+        grid_scale,
+        light_count,
+        environment_x,
+        environment_width,
+        environment_y,
+        environment_height,
+        environment_z,
+        environment_selection,
+        environment_radiance,
+        far,
+        environment_grid,
+        padding,
     });
     let dispatch = members!(Dispatch {
-        block_start, first_tile, region_tile, target_position, fresh, padding,
+        block_start,
+        first_tile,
+        region_tile,
+        target_position,
+        fresh,
+        padding,
     });
     let state = members!(PixelState {
-        mean, samples, m2, dropped, shadow_rays, bsdf_rays, first_nan, first_infinite,
+        mean,
+        samples,
+        m2,
+        dropped,
+        shadow_rays,
+        bsdf_rays,
+        first_nan,
+        first_infinite,
     });
     check(&module, "Frame", size_of::<Frame>(), &frame);
     check(&module, "Dispatch", size_of::<Dispatch>(), &dispatch);
@@ -104,5 +139,8 @@ fn a_workgroup_is_a_tile() {
     seen.sort_unstable();
     seen.dedup();
     assert_eq!(seen.len(), layout::TILE_PIXELS as usize);
-    assert!(seen.iter().all(|&(x, y)| x < layout::TILE && y < layout::TILE));
+    assert!(
+        seen.iter()
+            .all(|&(x, y)| x < layout::TILE && y < layout::TILE)
+    );
 }

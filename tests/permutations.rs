@@ -55,8 +55,15 @@ fn no_effect_and_all_effects_link() {
 #[test]
 fn what_a_scene_does_not_call_for_is_not_in_its_shader() {
     let scenes = own_scenes();
-    let (_, cornell) = scenes.iter().find(|(name, _)| name == "cornell.toml").unwrap();
-    let prepared = Prepared::new(cornell.clone(), direkt::scene::Strategy::LightArea, LightSelection::Power);
+    let (_, cornell) = scenes
+        .iter()
+        .find(|(name, _)| name == "cornell.toml")
+        .unwrap();
+    let prepared = Prepared::new(
+        cornell.clone(),
+        direkt::scene::Strategy::LightArea,
+        LightSelection::Power,
+    );
     let wgsl = validate(&prepared.effects, "cornell.toml, light-area");
     for absent in [
         "intersect_sphere",
@@ -67,7 +74,10 @@ fn what_a_scene_does_not_call_for_is_not_in_its_shader() {
         "alias_choice",
         "spot_falloff",
     ] {
-        assert!(!wgsl.contains(absent), "{absent} is in the shader of the Cornell box");
+        assert!(
+            !wgsl.contains(absent),
+            "{absent} is in the shader of the Cornell box"
+        );
     }
     assert!(wgsl.contains("intersect_rectangle"));
 }

@@ -7,4 +7,5 @@ mod doctor;
 mod layout;
 mod permutations;
 mod render;
+mod scene;
 mod support;

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct OutputArguments {
     /// Image to write: .exr (radiance, samples, standard error) or .png (tone-mapped); may be repeated
-    #[arg(short, long = "output", value_name = "FILE", required = true, num_args = 1..)]
+    #[arg(short, long = "output", value_name = "FILE", required = true)]
     pub output: Vec<PathBuf>,
     /// Exposure of the PNG in stops
     #[arg(

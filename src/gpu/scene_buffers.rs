@@ -4,8 +4,8 @@ use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::layout::{
     Frame, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
-    LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, NONE,
-    ONE_SIDED_BIT, TILE, TWO_SIDED_BIT,
+    LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
+    NONE, ONE_SIDED_BIT, TILE, TWO_SIDED_BIT,
 };
 use crate::accel::{Node, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Emitters, row_height, texel_luminance};
@@ -200,9 +200,12 @@ fn area_light(
         PrimitiveGeometry::Triangle { a, u, v } => (LIGHT_TRIANGLE, a, u, v),
         PrimitiveGeometry::Rectangle { a, u, v } => (LIGHT_RECTANGLE, a, u, v),
         PrimitiveGeometry::Disk { a, u, v } => (LIGHT_DISK, a, u, v),
-        PrimitiveGeometry::Sphere { center, radius } => {
-            (LIGHT_SPHERE, center, DVec3::new(radius, 0.0, 0.0), DVec3::ZERO)
-        }
+        PrimitiveGeometry::Sphere { center, radius } => (
+            LIGHT_SPHERE,
+            center,
+            DVec3::new(radius, 0.0, 0.0),
+            DVec3::ZERO,
+        ),
     };
     [
         word(a, kind | flags),

@@ -8,7 +8,10 @@ use glam::DVec3;
 
 fn small_cornell() -> Scene {
     let mut scene = scene("scenes/cornell.toml");
-    scene.film = FilmSize { width: 63, height: 65 };
+    scene.film = FilmSize {
+        width: 63,
+        height: 65,
+    };
     scene
 }
 
@@ -67,13 +70,18 @@ fn unneeded_effects_compiled_in_change_nothing() {
 fn every_size_is_covered() {
     for (width, height) in [(1, 1), (63, 65), (7, 300), (300, 1)] {
         let mut scene = floor_pixel();
-        scene.lights.push(point_light(DVec3::new(0.0, 0.0, 2.0), 100.0));
+        scene
+            .lights
+            .push(point_light(DVec3::new(0.0, 0.0, 2.0), 100.0));
         scene.film = FilmSize { width, height };
         let film = film_of(&prepared(scene), &[3]);
         assert_eq!(film.pixels.len(), (width * height) as usize);
         for pixel in &film.pixels {
             assert_eq!(pixel.samples, 3, "{width} × {height}");
-            assert!((pixel.mean[0] - 3.978_873_577).abs() < 1e-3, "{width} × {height}: {pixel:?}");
+            assert!(
+                (pixel.mean[0] - 3.978_873_577).abs() < 1e-3,
+                "{width} × {height}: {pixel:?}"
+            );
         }
     }
 }
@@ -82,10 +90,19 @@ fn every_size_is_covered() {
 #[test]
 fn an_image_of_several_regions_is_covered() {
     let mut scene = floor_pixel();
-    scene.lights.push(point_light(DVec3::new(0.0, 0.0, 2.0), 100.0));
-    scene.film = FilmSize { width: 4096, height: 300 };
+    scene
+        .lights
+        .push(point_light(DVec3::new(0.0, 0.0, 2.0), 100.0));
+    scene.film = FilmSize {
+        width: 4096,
+        height: 300,
+    };
     let film = film_of(&prepared(scene), &[2]);
-    assert!(film.pixels.iter().all(|p| p.samples == 2 && (p.mean[0] - 3.978_873_577).abs() < 1e-2));
+    assert!(
+        film.pixels
+            .iter()
+            .all(|p| p.samples == 2 && (p.mean[0] - 3.978_873_577).abs() < 1e-2)
+    );
 }
 
 #[test]

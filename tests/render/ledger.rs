@@ -9,15 +9,28 @@ fn overflowing_samples_are_dropped_and_counted() {
     let context = context();
     let mut scene = floor_pixel();
     // Close to the floor, an intensity near f32's largest value overflows when it is divided by d².
-    scene.lights.push(point_light(DVec3::new(0.0, 0.0, 1e-3), 1e37));
-    scene.film = FilmSize { width: 9, height: 9 };
+    scene
+        .lights
+        .push(point_light(DVec3::new(0.0, 0.0, 1e-3), 1e37));
+    scene.film = FilmSize {
+        width: 9,
+        height: 9,
+    };
     scene.render.strategy = Strategy::LightArea;
     scene.render.spp = 5;
     let film = render(&context, scene.clone());
     assert_eq!(film.ledger.dropped, 5 * 81, "{}", context.adapter.name);
-    let first = film.ledger.first_infinite.or(film.ledger.first_nan).unwrap();
+    let first = film
+        .ledger
+        .first_infinite
+        .or(film.ledger.first_nan)
+        .unwrap();
     assert_eq!((first.x, first.y, first.sample), (0, 0, 0));
-    assert!(film.pixels.iter().all(|p| p.samples == 0 && p.mean.iter().all(|m| m.is_finite())));
+    assert!(
+        film.pixels
+            .iter()
+            .all(|p| p.samples == 0 && p.mean.iter().all(|m| m.is_finite()))
+    );
 
     scene.lights[0] = point_light(DVec3::new(0.0, 0.0, 1e-3), 1.0);
     let film = render(&context, scene);

@@ -4,7 +4,8 @@ use crate::support::{
     STRATEGIES, assert_pixel, context, floor_pixel, lambert, point_light, render, scene, shape,
 };
 use direkt::scene::{
-    Emission, Environment, EnvironmentMap, EnvironmentRadiance, FilmSize, Geometry, Light, MaterialId, Scene,
+    Emission, Environment, EnvironmentMap, EnvironmentRadiance, FilmSize, Geometry, Light,
+    MaterialId, Scene,
 };
 use glam::{DMat3, DVec3};
 
@@ -16,7 +17,11 @@ fn assert_under_every_strategy(scene: &Scene, spp: u64, expected: f64, what: &st
         scene.render.strategy = strategy;
         scene.render.spp = spp;
         let film = render(&context, scene);
-        assert_pixel(&film, expected, &format!("{what}, {strategy}, {}", context.adapter.name));
+        assert_pixel(
+            &film,
+            expected,
+            &format!("{what}, {strategy}, {}", context.adapter.name),
+        );
     }
 }
 
@@ -24,7 +29,10 @@ fn assert_under_every_strategy(scene: &Scene, spp: u64, expected: f64, what: &st
 fn cornells_light_seen_directly_is_its_radiance() {
     let context = context();
     let mut scene = scene("scenes/cornell.toml");
-    scene.film = FilmSize { width: 128, height: 128 };
+    scene.film = FilmSize {
+        width: 128,
+        height: 128,
+    };
     scene.render.spp = 8;
     let film = render(&context, scene);
     // The light spans rows 16 to 20 and columns 53 to 74 of the image; this pixel is well inside.
@@ -39,7 +47,9 @@ fn cornells_light_seen_directly_is_its_radiance() {
 #[test]
 fn point_light_at_an_angle_and_above() {
     let mut scene = floor_pixel();
-    scene.lights.push(point_light(DVec3::new(3.0, 0.0, 4.0), 100.0));
+    scene
+        .lights
+        .push(point_light(DVec3::new(3.0, 0.0, 4.0), 100.0));
     assert_under_every_strategy(&scene, 4, 0.509_295_817_894_065, "point");
     scene.lights[0] = point_light_above();
     assert_under_every_strategy(&scene, 4, 3.978_873_577_297_38, "point above");
@@ -52,7 +62,9 @@ fn point_light_above() -> Light {
 #[test]
 fn point_light_below_the_floor_gives_nothing() {
     let mut scene = floor_pixel();
-    scene.lights.push(point_light(DVec3::new(0.0, 0.0, -2.0), 100.0));
+    scene
+        .lights
+        .push(point_light(DVec3::new(0.0, 0.0, -2.0), 100.0));
     assert_under_every_strategy(&scene, 4, 0.0, "point below");
 }
 
@@ -60,7 +72,11 @@ fn point_light_below_the_floor_gives_nothing() {
 fn spot_light_with_equal_angles_is_a_step() {
     let spot = |degrees_off: f64| {
         let position = DVec3::new(0.0, 0.0, 2.0);
-        let axis = DVec3::new(degrees_off.to_radians().sin(), 0.0, -degrees_off.to_radians().cos());
+        let axis = DVec3::new(
+            degrees_off.to_radians().sin(),
+            0.0,
+            -degrees_off.to_radians().cos(),
+        );
         Light::Spot {
             position,
             direction: axis,
@@ -78,7 +94,11 @@ fn spot_light_with_equal_angles_is_a_step() {
 
 #[test]
 fn spot_light_falls_off_with_the_square_of_the_cosines() {
-    let (inner, outer, angle) = (20_f64.to_radians(), 40_f64.to_radians(), 30_f64.to_radians());
+    let (inner, outer, angle) = (
+        20_f64.to_radians(),
+        40_f64.to_radians(),
+        30_f64.to_radians(),
+    );
     let mut scene = floor_pixel();
     scene.lights.push(Light::Spot {
         position: DVec3::new(0.0, 0.0, 2.0),
@@ -145,11 +165,19 @@ fn one_bright_texel() {
     let (width, height) = (16, 8);
     for (column, row) in [(3, 0), (9, 2), (15, 3)] {
         let mut scene = floor_pixel();
-        scene.environment = Some(map(width, height, |x, y| if (x, y) == (column, row) { 1e6 } else { 0.0 }));
+        scene.environment = Some(map(width, height, |x, y| {
+            if (x, y) == (column, row) { 1e6 } else { 0.0 }
+        }));
         let cos = |j: u32| (std::f64::consts::PI * f64::from(j) / f64::from(height)).cos();
-        let irradiance = 1e6 * std::f64::consts::PI * (cos(row).powi(2) - cos(row + 1).powi(2)) / f64::from(width);
+        let irradiance = 1e6 * std::f64::consts::PI * (cos(row).powi(2) - cos(row + 1).powi(2))
+            / f64::from(width);
         let expected = 0.5 / std::f64::consts::PI * irradiance;
-        assert_under_every_strategy(&scene, 1 << 16, expected, &format!("texel ({column}, {row})"));
+        assert_under_every_strategy(
+            &scene,
+            1 << 16,
+            expected,
+            &format!("texel ({column}, {row})"),
+        );
     }
 }
 
@@ -181,7 +209,12 @@ fn parallel_unit_square() {
         radiance: DVec3::splat(10.0),
         two_sided: true,
     });
-    assert_under_every_strategy(&scene, 1 << 14, 1.197_282_352_303_87, "back of a two-sided light");
+    assert_under_every_strategy(
+        &scene,
+        1 << 14,
+        1.197_282_352_303_87,
+        "back of a two-sided light",
+    );
 }
 
 /// CS667 2007, homework 4: a sphere of radiance 20 and radius 1 at distance 5 over albedo 0.5 gives exactly 0.4.
@@ -249,12 +282,23 @@ fn an_empty_scene_is_black_or_its_environment() {
     let context = context();
     let mut scene = floor_pixel();
     scene.shapes.clear();
-    scene.film = FilmSize { width: 9, height: 5 };
+    scene.film = FilmSize {
+        width: 9,
+        height: 5,
+    };
     let film = render(&context, scene.clone());
-    assert!(film.pixels.iter().all(|p| p.samples == 16 && p.mean.iter().all(|&m| m.abs() <= 0.0)));
+    assert!(
+        film.pixels
+            .iter()
+            .all(|p| p.samples == 16 && p.mean.iter().all(|&m| m.abs() <= 0.0))
+    );
     scene.environment = Some(constant(0.75));
     let film = render(&context, scene);
-    assert!(film.pixels.iter().all(|p| p.mean.iter().all(|&m| (m - 0.75).abs() <= 0.0)));
+    assert!(
+        film.pixels
+            .iter()
+            .all(|p| p.mean.iter().all(|&m| (m - 0.75).abs() <= 0.0))
+    );
 }
 
 #[test]
@@ -283,7 +327,11 @@ fn the_back_of_a_one_sided_surface_does_not_exist() {
     blocker.material = MaterialId(1);
     scene.shapes.push(blocker);
     // Its front points up: the shadow ray comes from below and passes.
-    assert_pixel(&render(&context, scene.clone()), 3.978_873_577_297_38, "seen from behind");
+    assert_pixel(
+        &render(&context, scene.clone()),
+        3.978_873_577_297_38,
+        "seen from behind",
+    );
     scene.materials[1].double_sided = true;
     assert_pixel(&render(&context, scene), 0.0, "double-sided");
 }

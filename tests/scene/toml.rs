@@ -1,11 +1,9 @@
 //! TOML scenes mean what they say.
 
-mod scene_files;
-
+use super::files::{Folder, load_toml};
 use direkt::scene::load::{LoadOptions, schema};
 use direkt::scene::{Bsdf, EnvironmentRadiance, Geometry, Light, Scene};
 use glam::DVec3;
-use scene_files::{Folder, load_toml};
 
 const CAMERA: &str = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nfov = 40\n";
 
@@ -308,7 +306,7 @@ fn files_are_found_in_assets_and_symbolic_links_are_followed() {
 #[test]
 fn a_gltf_is_included_with_material_light_and_placement() {
     let folder = Folder::new();
-    folder.write("parts/t.gltf", scene_files::triangle_gltf().to_string());
+    folder.write("parts/t.gltf", super::files::triangle_gltf().to_string());
     folder.write(
         "scene.toml",
         r#"

@@ -1,11 +1,9 @@
 //! PLY and OBJ files.
 
-mod scene_files;
-
+use super::files::{Folder, shared};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{Geometry, Mesh, Scene};
 use glam::DVec3;
-use scene_files::{Folder, shared};
 
 const HEADER: &str = "element vertex 4\nproperty float x\nproperty double y\nproperty float z\nproperty uchar red\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n";
 

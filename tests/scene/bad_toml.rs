@@ -1,9 +1,7 @@
 //! Bad TOML scenes are refused with the file, the field, what is wrong and what would be right.
 
-mod scene_files;
-
+use super::files::{Folder, refused};
 use direkt::scene::load::LoadOptions;
-use scene_files::{Folder, refused};
 
 const CAMERA: &str = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nfov = 40\n";
 

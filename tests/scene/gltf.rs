@@ -1,11 +1,9 @@
 //! glTF and GLB files: what they bring, and what they leave out with a warning.
 
-mod scene_files;
-
+use super::files::{Folder, glb, load_gltf, shared, triangle_glb, triangle_gltf, with};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{Bsdf, Geometry, Light, Mesh, Scene};
 use glam::DVec3;
-use scene_files::{Folder, glb, load_gltf, shared, triangle_glb, triangle_gltf, with};
 use serde_json::json;
 
 fn mesh(scene: &Scene, shape: usize) -> &Mesh {

@@ -1,11 +1,9 @@
 //! The scenes of the repository are what their first lines say.
 
-mod scene_files;
-
+use super::files::shared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{EnvironmentRadiance, Geometry, Scene};
 use glam::DVec3;
-use scene_files::shared;
 use std::path::Path;
 
 fn near(a: DVec3, b: DVec3) -> bool {

@@ -1,9 +1,7 @@
 //! Broken glTF and GLB files are refused with the place that is broken, and never end in a panic.
 
-mod scene_files;
-
+use super::files::{Folder, glb, load_gltf, triangle_glb, triangle_gltf, with};
 use direkt::scene::Geometry;
-use scene_files::{Folder, glb, load_gltf, triangle_glb, triangle_gltf, with};
 use serde_json::{Value, json};
 
 #[track_caller]

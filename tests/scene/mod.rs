@@ -1,0 +1,9 @@
+//! Scene files: what they mean, and how bad ones are refused.
+
+mod bad_gltf;
+mod bad_toml;
+mod files;
+mod gltf;
+mod meshes;
+mod repository;
+mod toml;
