@@ -5,6 +5,7 @@
 
 use crate::accel::{Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Emitters};
+use crate::scene::light::Interpolation;
 use crate::scene::{EnvironmentRadiance, Light, Scene, Strategy};
 use std::collections::BTreeMap;
 
@@ -64,6 +65,8 @@ effects! {
     Environment "ENVIRONMENT" "environment",
     /// An image of the environment.
     EnvironmentMap "ENVIRONMENT_MAP" "environment-map",
+    /// An image of the environment that is interpolated between its texels.
+    EnvironmentLinear "ENVIRONMENT_LINEAR" "environment-interpolation",
     /// More than one light to choose from.
     LightChoice "LIGHT_CHOICE" "light-choice",
     /// Directions are chosen towards lights.
@@ -205,6 +208,11 @@ fn of_light(
                         map.source, map.width, map.height
                     )
                 });
+                if map.interpolation == Interpolation::Linear {
+                    effects.call_for(Effect::EnvironmentLinear, || {
+                        "environment.interpolation = \"linear\"".to_owned()
+                    });
+                }
             }
         }
     }

@@ -1,4 +1,76 @@
-//! direkt: direct lighting by Monte Carlo integration.
+//! direkt renders direct lighting by Monte Carlo integration in WGSL compute shaders, through wgpu, on any GPU and on
+//! none (Mesa lavapipe is Vulkan in software).
+//!
+//! ```text
+//!     L_o(x,ω_o) = L_e + ∫_H L_i(x,ω) f_r(x,ω,ω_o) cosθ dω                 hemisphere form
+//!                = L_e + ∫_A L_e(y→x) f_r V(x,y) cosθ_x cosθ_y/|x−y|² dA    area form
+//! ```
+//!
+//! # The way of the data
+//!
+//! ```text
+//! scene file ─► scene::load ─► Scene (f64, validated)
+//!                                │
+//!                                ▼
+//!               render::Prepared: scene::normalize (recentre, power-of-two scale), accel (BVH),
+//!                                 emitters (lights, selection), effects (what is compiled in, and why)
+//!                                │
+//!                                ▼
+//!               gpu::SceneBuffers, gpu::shader::link (WESL → WGSL), gpu::DirectKernel
+//!                                │
+//!                                ▼
+//!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}
+//! ```
+//!
+//! One direction only: `scene ← accel ← gpu ← render ← cli`.
+//!
+//! # A render, from code
+//!
+//! ```no_run
+//! use direkt::{gpu::Context, render::{Prepared, Session}, scene::load::{LoadOptions, load}};
+//!
+//! let scene = load("scenes/cornell.toml".as_ref(), &LoadOptions::default())?;
+//! let (film, settings) = (scene.film, scene.render);
+//! let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+//! let context = Context::new(None)?;
+//! let mut session = Session::new(&context, &prepared, film, settings.seed)?;
+//! while session.samples() < 16 {
+//!     session.pass(session.pass_samples(16 - session.samples()), || false)?;
+//! }
+//! let (film, _rays) = session.snapshot()?;
+//! println!("mean {:?}, error {:?}", film.mean(), film.error());
+//! # Ok::<(), direkt::error::Error>(())
+//! ```
+//!
+//! # What holds everywhere
+//!
+//! - **Host f64, GPU f32.** The scene is moved to the origin and scaled to [−1, 1] in f64 before anything is rounded.
+//! - **Random numbers are counters**: a hash of (pixel, sample, dimension, seed), integers that are the same on every
+//!   device. Dimensions are assigned once for all, so an effect that is compiled in without need changes no bit.
+//! - **An image does not depend on how its passes were cut**: a pixel's state goes on exactly from where it stood, and
+//!   blocks end at multiples of 256 samples.
+//! - **A sample that is not finite is dropped and counted**, with the first pixel and sample of each kind; it is never
+//!   shown.
+//! - **A driver that ends loops early is noticed**: the kernel tells when a traversal did not finish, and the host
+//!   dispatches again from there.
+//!
+//! # How to add
+//!
+//! - **an effect**: a variant in [`effects::Effect`] with its WESL feature, the rule that calls for it in
+//!   [`effects::called_for`], and the code under `@if(FEATURE)`. `tests/permutations.rs` links it alone.
+//! - **a light**: a variant of [`scene::Light`] or an emitting shape, its power and normalised form in [`emitters`],
+//!   its record in [`gpu::scene_buffers`] and `shaders/scene/fetch.wesl`, `sample_`/`pdf_` functions in
+//!   `shaders/light/`, its case in `shaders/light/light.wesl`, its effect, and a one-pixel test with an exact value.
+//! - **a BSDF**: a variant of [`scene::Bsdf`]; if it is not a case of the existing lobes, its `sample_`, `pdf_` and
+//!   `eval_` in `shaders/bsdf/` and its place in `shaders/bsdf/bsdf.wesl`.
+//!
+//! # What is awkward today
+//!
+//! - Shading normals, textures and alpha are read past, with a warning each.
+//! - The BVH's boxes lie on one 16-bit grid over the scene: where detail is finer than 1/65,535 of the scene's size,
+//!   boxes are looser than they need be.
+//! - The error that a render reports comes from the samples' own variance; it holds for independent samples.
+
 pub mod accel;
 pub mod cli;
 pub mod effects;

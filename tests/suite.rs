@@ -2,6 +2,12 @@
 //!
 //! They need a GPU adapter; lavapipe will do. Without one they fail, they are never skipped.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test that panics is a test that fails"
+)]
+#![allow(clippy::float_cmp, reason = "tests of invariance compare bit for bit")]
+
 mod cli;
 mod doctor;
 mod layout;

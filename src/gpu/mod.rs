@@ -3,6 +3,7 @@
 pub mod buffer;
 pub mod context;
 pub mod doctor;
+pub mod environment;
 pub mod kernel;
 pub mod layout;
 pub mod scene_buffers;

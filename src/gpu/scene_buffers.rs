@@ -2,24 +2,22 @@
 
 use super::buffer::GpuBuffer;
 use super::context::Context;
+use super::environment::EnvironmentBuffers;
 use super::layout::{
     Frame, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
     LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
     NONE, ONE_SIDED_BIT, TILE, TWO_SIDED_BIT,
 };
 use crate::accel::{Node, Primitive, PrimitiveGeometry};
-use crate::emitters::{Emitter, Emitters, row_height, texel_luminance};
+use crate::emitters::{Emitter, Emitters};
 use crate::error::GpuError;
 use crate::render::Prepared;
 use crate::scene::alias_table::AliasTable;
-use crate::scene::{EnvironmentMap, EnvironmentRadiance, FilmSize, Light, Scene};
+use crate::scene::{EnvironmentRadiance, FilmSize, Light, Scene};
 use glam::DVec3;
 
-/// Cells of the environment's sampling grid at most; larger maps are sampled in blocks of texels.
-const MAX_ENVIRONMENT_CELLS: usize = 1 << 21;
-
 /// One 16-byte word of a record.
-type Word = [u32; 4];
+pub(super) type Word = [u32; 4];
 
 /// The scene's buffers; record formats are those of `shaders/scene/fetch.wesl`.
 #[derive(Debug)]
@@ -36,17 +34,6 @@ pub struct SceneBuffers {
     pub light_alias: GpuBuffer<Word>,
     /// The environment map, when there is one.
     pub environment: Option<EnvironmentBuffers>,
-}
-
-/// An environment map and its sampling grid.
-#[derive(Debug)]
-pub struct EnvironmentBuffers {
-    /// One word per cell.
-    pub alias: GpuBuffer<Word>,
-    /// Radiance.
-    pub texels: wgpu::TextureView,
-    /// Cells per row and column.
-    pub grid: [u32; 2],
 }
 
 impl SceneBuffers {
@@ -77,7 +64,7 @@ impl SceneBuffers {
         }
         let environment = match prepared.scene.environment.as_ref().map(|e| &e.radiance) {
             Some(EnvironmentRadiance::Map(map)) if prepared.has_environment_map() => {
-                Some(environment_buffers(context, map)?)
+                Some(EnvironmentBuffers::new(context, map)?)
             }
             _ => None,
         };
@@ -258,102 +245,12 @@ fn delta_light(light: &Light, pmf: u32) -> [Word; 4] {
 }
 
 /// Threshold, alias, probability of the index itself and of its alias.
-fn alias_words(table: &AliasTable) -> Vec<Word> {
+pub(super) fn alias_words(table: &AliasTable) -> Vec<Word> {
     let words = table.entries.iter().enumerate().map(|(i, e)| {
         let p = |i: usize| bits(table.probability[i]);
         [e.threshold, e.alias, p(i), p(e.alias as usize)]
     });
     words.collect()
-}
-
-fn environment_buffers(
-    context: &Context,
-    map: &EnvironmentMap,
-) -> Result<EnvironmentBuffers, GpuError> {
-    let side = u64::from(map.width.max(map.height));
-    let limit = u64::from(context.limits.max_texture_dimension_2d);
-    if side > limit {
-        return Err(GpuError::TooLarge {
-            what: format!(
-                "environment map {} ({} × {} texels): a side",
-                map.source, map.width, map.height
-            ),
-            needed: side * 16,
-            limit: limit * 16,
-            adapter: context.adapter.name.clone(),
-        });
-    }
-    let (grid, weights) = environment_weights(map);
-    let table = AliasTable::new(&weights).expect("a map without light is not an emitter");
-    let words = alias_words(&table);
-    context.checked(|| EnvironmentBuffers {
-        alias: GpuBuffer::storage(&context.device, "scene.environment_alias", &words),
-        texels: upload_texels(context, map),
-        grid,
-    })
-}
-
-/// The sampling grid and per cell the luminance times solid angle of its texels.
-fn environment_weights(map: &EnvironmentMap) -> ([u32; 2], Vec<f64>) {
-    let (width, height) = (map.width as usize, map.height as usize);
-    let mut block = 1;
-    while (width / block) * (height / block) > MAX_ENVIRONMENT_CELLS
-        || (block > 1 && (!width.is_multiple_of(block) || !height.is_multiple_of(block)))
-    {
-        block += 1;
-        if block >= width.min(height) {
-            // A map whose sides share no factor: one cell per row.
-            return ([1, map.height], rows_weights(map));
-        }
-    }
-    let (columns, rows) = (width / block, height / block);
-    let mut weights = vec![0.0; columns * rows];
-    for (y, texels) in map.texels.chunks_exact(width).enumerate() {
-        let dz = row_height(y as f64, height as f64);
-        for (x, &texel) in texels.iter().enumerate() {
-            weights[(y / block) * columns + x / block] += dz * texel_luminance(texel);
-        }
-    }
-    ([columns as u32, rows as u32], weights)
-}
-
-fn rows_weights(map: &EnvironmentMap) -> Vec<f64> {
-    let rows = map.texels.chunks_exact(map.width as usize).enumerate();
-    rows.map(|(y, texels)| {
-        let sum: f64 = texels.iter().map(|&t| texel_luminance(t)).sum();
-        sum * row_height(y as f64, f64::from(map.height))
-    })
-    .collect()
-}
-
-fn upload_texels(context: &Context, map: &EnvironmentMap) -> wgpu::TextureView {
-    let size = wgpu::Extent3d {
-        width: map.width,
-        height: map.height,
-        depth_or_array_layers: 1,
-    };
-    let texture = context.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("scene.environment"),
-        size,
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba32Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let texels: Vec<[f32; 4]> = map.texels.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
-    context.queue.write_texture(
-        texture.as_image_copy(),
-        bytemuck::cast_slice(&texels),
-        wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(map.width * 16),
-            rows_per_image: None,
-        },
-        size,
-    );
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// The uniform that stays the same for a render.

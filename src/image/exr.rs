@@ -37,8 +37,10 @@ pub fn write(path: &Path, film: &Film, attributes: &[(&str, String)]) -> Result<
     }
     channels.push(channel("samples", &|i| film.pixels[i].samples as f32));
     let size = (film.size.width as usize, film.size.height as usize);
-    let mut layer = LayerAttributes::default();
-    layer.software_name = Some(Text::from(concat!("direkt ", env!("CARGO_PKG_VERSION"))));
+    let mut layer = LayerAttributes {
+        software_name: Some(Text::from(concat!("direkt ", env!("CARGO_PKG_VERSION")))),
+        ..LayerAttributes::default()
+    };
     for (name, text) in attributes {
         layer.other.insert(
             Text::from(*name),

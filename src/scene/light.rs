@@ -1,6 +1,8 @@
 //! Lights without a surface, and the environment.
 
 use glam::{DMat3, DVec3};
+use schemars::JsonSchema;
+use serde::Deserialize;
 
 /// A light without a surface: only light sampling can reach it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,4 +72,17 @@ pub struct EnvironmentMap {
     pub height: u32,
     /// Linear RGB radiance, row by row; finite and not negative.
     pub texels: Vec<[f32; 3]>,
+    /// What lies between texel centres.
+    pub interpolation: Interpolation,
+}
+
+/// What an image holds between the centres of its texels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Interpolation {
+    /// The value of the texel: the image is constant in each.
+    Nearest,
+    /// A blend of the four nearest texels; columns wrap around, rows end at the poles.
+    #[default]
+    Linear,
 }

@@ -59,7 +59,10 @@ fn unneeded_effects_compiled_in_change_nothing() {
     let lean = film_of(&prepared, &[8]);
     for &effect in Effect::ALL {
         // A map would have to be bound, and an environment would be seen.
-        if !matches!(effect, Effect::Environment | Effect::EnvironmentMap) {
+        if !matches!(
+            effect,
+            Effect::Environment | Effect::EnvironmentMap | Effect::EnvironmentLinear
+        ) {
             prepared.effects.call_for(effect, || "forced".to_owned());
         }
     }

@@ -3,6 +3,7 @@
 use crate::support::{
     STRATEGIES, assert_pixel, context, floor_pixel, lambert, point_light, render, scene, shape,
 };
+use direkt::scene::light::Interpolation;
 use direkt::scene::{
     Emission, Environment, EnvironmentMap, EnvironmentRadiance, FilmSize, Geometry, Light,
     MaterialId, Scene,
@@ -38,8 +39,8 @@ fn cornells_light_seen_directly_is_its_radiance() {
     // The light spans rows 16 to 20 and columns 53 to 74 of the image; this pixel is well inside.
     let pixel = &film.pixels[18 * 128 + 64];
     let expected = [18.387_f32, 13.9873, 6.75357];
-    for c in 0..3 {
-        assert_eq!(pixel.mean[c] as f32, expected[c], "channel {c}");
+    for (c, expected) in expected.into_iter().enumerate() {
+        assert_eq!(pixel.mean[c] as f32, expected, "channel {c}");
         assert!(pixel.m2[c] <= 0.0, "every sample is the same");
     }
 }
@@ -152,6 +153,7 @@ fn map(width: u32, height: u32, value: impl Fn(u32, u32) -> f32) -> Environment 
             width,
             height,
             texels: texels.map(|(x, y)| [value(x, y); 3]).collect(),
+            interpolation: Interpolation::Nearest,
         }),
         rotation: DMat3::from_rotation_x(std::f64::consts::FRAC_PI_2),
         scale: 1.0,
@@ -179,6 +181,40 @@ fn one_bright_texel() {
             &format!("texel ({column}, {row})"),
         );
     }
+}
+
+/// Where each row of a map has one radiance, interpolation blends rows alone: the irradiance is
+/// ∫ L(θ) cosθ dω, here by quadrature over θ in f64.
+#[test]
+fn interpolated_rows() {
+    let rows = [4.0, 0.0, 1.0, 3.0, 0.5, 0.0, 2.0, 7.0_f64];
+    let radiance = |theta: f64| {
+        let y = 8.0 * theta / std::f64::consts::PI - 0.5;
+        let at = |j: f64| rows[j.clamp(0.0, 7.0) as usize];
+        let low = y.floor();
+        at(low) + (at(low + 1.0) - at(low)) * (y - low)
+    };
+    let steps = 1 << 16;
+    let width = 0.5 * std::f64::consts::PI / f64::from(steps);
+    let irradiance: f64 = (0..steps)
+        .map(|i| (f64::from(i) + 0.5) * width)
+        .map(|theta| {
+            2.0 * std::f64::consts::PI * radiance(theta) * theta.cos() * theta.sin() * width
+        })
+        .sum();
+    let mut scene = floor_pixel();
+    let mut environment = map(16, 8, |_, y| rows[y as usize] as f32);
+    let EnvironmentRadiance::Map(map) = &mut environment.radiance else {
+        unreachable!("the environment is a map");
+    };
+    map.interpolation = Interpolation::Linear;
+    scene.environment = Some(environment);
+    assert_under_every_strategy(
+        &scene,
+        1 << 16,
+        0.5 / std::f64::consts::PI * irradiance,
+        "interpolated rows",
+    );
 }
 
 /// A unit square of radiance 10 that faces the floor from height 1: ρ·L·F with F = 0.239456470460774.

@@ -124,8 +124,8 @@ pub fn assert_pixel(film: &Film, expected: f64, what: &str) {
     let pixel = &film.pixels[0];
     let error = pixel.variance_of_mean().expect("two samples or more");
     assert_eq!(film.ledger.dropped, 0, "{what}: non-finite samples");
-    for c in 0..3 {
-        let bound = 4.5 * error[c].sqrt() + 2e-5 * expected.abs();
+    for (c, variance) in error.into_iter().enumerate() {
+        let bound = 4.5 * variance.sqrt() + 2e-5 * expected.abs();
         let difference = (pixel.mean[c] - expected).abs();
         assert!(
             difference <= bound,

@@ -3,6 +3,7 @@
 use super::files;
 use crate::error::InputError;
 use crate::scene::EnvironmentMap;
+use crate::scene::light::Interpolation;
 use image::{ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
@@ -73,5 +74,6 @@ pub(super) fn read_environment(
         width,
         height,
         texels,
+        interpolation: Interpolation::default(),
     })
 }

@@ -1,6 +1,7 @@
 //! The types of a scene file. Their doc comments are the descriptions in the JSON Schema.
 
 use crate::scene::RenderSettings;
+use crate::scene::light::Interpolation;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -238,6 +239,9 @@ pub(super) struct EnvironmentTable {
     pub(super) radiance: Option<Rgb>,
     /// A latitude-longitude map (.hdr, .exr); +y is up, and its middle lies in direction −z.
     pub(super) file: Option<String>,
+    /// What lies between the map's texels.
+    #[serde(default)]
+    pub(super) interpolation: Interpolation,
     /// Rotation about +y in degrees, counter-clockwise seen from above.
     #[serde(default)]
     pub(super) rotation: f64,

@@ -71,7 +71,9 @@ pub(super) fn environment(
             let path = context
                 .folders
                 .resolve(file, context.path, "environment.file")?;
-            EnvironmentRadiance::Map(image::read_environment(&path, &mut context.warnings)?)
+            let mut map = image::read_environment(&path, &mut context.warnings)?;
+            map.interpolation = table.interpolation;
+            EnvironmentRadiance::Map(map)
         }
         _ => {
             return Err(context.error(
