@@ -234,32 +234,53 @@ fn outputs_that_cannot_be_written_are_refused_before_rendering() {
     }
 }
 
+/// A child that ends with the test, also when the test fails.
+#[cfg(unix)]
+struct Child(std::process::Child);
+
+#[cfg(unix)]
+impl Drop for Child {
+    fn drop(&mut self) {
+        // A child that has ended already is what the test wants.
+        let _ = self.0.kill();
+    }
+}
+
 /// Ctrl-C writes what there is.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_writes_the_image_so_far() {
+    use std::io::BufRead;
     let folder = tempfile::tempdir().unwrap();
     let [png, json] = ["a.png", "a.json"].map(|n| folder.path().join(n));
-    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("direkt"))
-        .args([
-            "render",
-            "scenes/cornell.toml",
-            "--size",
-            "64x64",
-            "--time",
-            "600",
-            "-q",
-        ])
-        .args(["-o", text(&png), "--json", text(&json)])
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .spawn()
+    let mut child = Child(
+        std::process::Command::new(assert_cmd::cargo::cargo_bin("direkt"))
+            .args([
+                "render",
+                "scenes/cornell.toml",
+                "--size",
+                "64x64",
+                "--time",
+                "600",
+            ])
+            .args(["-o", text(&png), "--json", text(&json)])
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap(),
+    );
+    let mut lines = std::io::BufReader::new(child.0.stderr.take().unwrap()).lines();
+    let first = lines.next().unwrap().unwrap();
+    assert!(first.starts_with("rendering"), "{first}");
+    // The driver compiles at the first dispatch.
+    std::thread::sleep(std::time::Duration::from_secs(5));
+    let interrupt = format!("kill -INT {}", child.0.id());
+    let sent = std::process::Command::new("sh")
+        .args(["-c", &interrupt])
+        .status()
         .unwrap();
-    std::thread::sleep(std::time::Duration::from_secs(4));
-    let killed = std::process::Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
-        .status();
-    assert!(killed.unwrap().success());
-    assert!(child.wait().unwrap().success());
+    assert!(sent.success());
+    assert!(child.0.wait().unwrap().success());
     assert!(image::open(&png).is_ok());
     let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
     assert_eq!(report["interrupted"], true);

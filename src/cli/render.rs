@@ -171,6 +171,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let interrupted = stop_on_interrupt();
     let time = settings.time.map(Duration::from_secs_f64);
     let quiet = arguments.quiet || arguments.json.is_stdout();
+    if !quiet {
+        let (name, driver) = (&context.adapter.name, &context.adapter.driver);
+        eprintln!(
+            "rendering {} on {name} ({driver})",
+            arguments.scene.display()
+        );
+    }
     let mut progress = Progress::new(settings.spp, time, quiet);
     let render_start = Instant::now();
     let mut passes = 0;
@@ -189,6 +196,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let render_seconds = render_start.elapsed().as_secs_f64();
     let (film, rays) = session.snapshot()?;
     progress.finish();
+    if rays.camera == 0 {
+        eprintln!("direkt: interrupted before the first sample, nothing was written");
+        return Ok(ExitCode::FAILURE);
+    }
 
     let report = Report {
         direkt: env!("CARGO_PKG_VERSION"),
@@ -298,7 +309,7 @@ fn summary(arguments: &Arguments, report: &Report) -> String {
         },
     );
     format!(
-        "{}: {} × {}, {} spp in {:.2} s ({:.1} M samples/s, {:.1} M rays/s), {error}\n{} on {} ({})",
+        "{}: {} × {}, {} spp in {:.2} s ({:.1} M samples/s, {:.1} M rays/s), {error}",
         files.join(", "),
         report.width,
         report.height,
@@ -306,9 +317,6 @@ fn summary(arguments: &Arguments, report: &Report) -> String {
         report.seconds.render,
         report.samples_per_second / 1e6,
         report.rays_per_second / 1e6,
-        report.strategy,
-        report.adapter.name,
-        report.adapter.driver,
     )
 }
 

@@ -1,7 +1,8 @@
 //! One pixel, one exact value (section H of HARD CASES and closed forms).
 
 use crate::support::{
-    STRATEGIES, assert_pixel, context, floor_pixel, lambert, point_light, render, scene, shape,
+    STRATEGIES, assert_pixel, context, emitter, floor_pixel, lambert, point_light, render, scene,
+    shape, unit_square,
 };
 use direkt::scene::light::Interpolation;
 use direkt::scene::{
@@ -221,19 +222,7 @@ fn interpolated_rows() {
 #[test]
 fn parallel_unit_square() {
     let mut scene = floor_pixel();
-    let mut light = shape(
-        "light",
-        Geometry::Rectangle {
-            corner: DVec3::new(-0.5, -0.5, 1.0),
-            u: DVec3::new(0.0, 1.0, 0.0),
-            v: DVec3::new(1.0, 0.0, 0.0),
-        },
-    );
-    light.emission = Some(Emission {
-        radiance: DVec3::splat(10.0),
-        two_sided: false,
-    });
-    scene.shapes.push(light);
+    scene.shapes.push(emitter(unit_square(), 10.0, false));
     assert_under_every_strategy(&scene, 1 << 14, 1.197_282_352_303_87, "unit square");
     // From behind nothing arrives, unless the back emits as well.
     let Geometry::Rectangle { u, v, .. } = &mut scene.shapes[1].geometry else {
@@ -257,18 +246,14 @@ fn parallel_unit_square() {
 #[test]
 fn sphere_light() {
     let mut scene = floor_pixel();
-    let mut light = shape(
-        "light",
+    scene.shapes.push(emitter(
         Geometry::Sphere {
             center: DVec3::new(0.0, 0.0, 5.0),
             radius: 1.0,
         },
-    );
-    light.emission = Some(Emission {
-        radiance: DVec3::splat(20.0),
-        two_sided: false,
-    });
-    scene.shapes.push(light);
+        20.0,
+        false,
+    ));
     assert_under_every_strategy(&scene, 1 << 16, 0.4, "sphere");
 }
 
@@ -276,19 +261,15 @@ fn sphere_light() {
 #[test]
 fn disk_light() {
     let mut scene = floor_pixel();
-    let mut light = shape(
-        "light",
+    scene.shapes.push(emitter(
         Geometry::Disk {
             center: DVec3::new(0.0, 0.0, 1.0),
             u: DVec3::new(0.0, 1.0, 0.0),
             v: DVec3::new(1.0, 0.0, 0.0),
         },
-    );
-    light.emission = Some(Emission {
-        radiance: DVec3::splat(10.0),
-        two_sided: false,
-    });
-    scene.shapes.push(light);
+        10.0,
+        false,
+    ));
     assert_under_every_strategy(&scene, 1 << 14, 2.5, "disk");
 }
 
@@ -304,12 +285,9 @@ fn triangle_light() {
         ],
         triangles: vec![[0, 1, 2]],
     };
-    let mut light = shape("light", Geometry::Mesh(mesh));
-    light.emission = Some(Emission {
-        radiance: DVec3::splat(20.0),
-        two_sided: false,
-    });
-    scene.shapes.push(light);
+    scene
+        .shapes
+        .push(emitter(Geometry::Mesh(mesh), 20.0, false));
     assert_under_every_strategy(&scene, 1 << 16, 0.162_163_3, "triangle");
 }
 

@@ -1,9 +1,8 @@
 //! Every strategy estimates the same integral.
 
-use crate::support::{STRATEGIES, context, floor_pixel, own_scenes, render, shape};
+use crate::support::{STRATEGIES, context, emitter, floor_pixel, own_scenes, render, unit_square};
 use direkt::render::Film;
-use direkt::scene::{Emission, FilmSize, Geometry, LightSelection, Scene, Strategy};
-use glam::DVec3;
+use direkt::scene::{FilmSize, LightSelection, Scene, Strategy};
 
 /// Two-sided normal bound for a family-wise false alarm of 1e-4 over up to 100 comparisons: Φ⁻¹(1 − 1e-4/200).
 const BOUND: f64 = 4.89;
@@ -135,18 +134,6 @@ fn unit_square_over_floor(radiance: f64) -> Scene {
         width: 64,
         height: 64,
     };
-    let mut light = shape(
-        "light",
-        Geometry::Rectangle {
-            corner: DVec3::new(-0.5, -0.5, 1.0),
-            u: DVec3::new(0.0, 1.0, 0.0),
-            v: DVec3::new(1.0, 0.0, 0.0),
-        },
-    );
-    light.emission = Some(Emission {
-        radiance: DVec3::splat(radiance),
-        two_sided: false,
-    });
-    scene.shapes.push(light);
+    scene.shapes.push(emitter(unit_square(), radiance, false));
     scene
 }

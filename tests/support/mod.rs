@@ -4,8 +4,8 @@ use direkt::gpu::Context;
 use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
-    Bsdf, Camera, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings, Scene, Shape,
-    Strategy,
+    Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings, Scene,
+    Shape, Strategy,
 };
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -80,6 +80,26 @@ pub fn shape(name: &str, geometry: Geometry) -> Shape {
         geometry,
         material: MaterialId(0),
         emission: None,
+    }
+}
+
+/// A shape of material 0 that emits `radiance`.
+pub fn emitter(geometry: Geometry, radiance: f64, two_sided: bool) -> Shape {
+    Shape {
+        emission: Some(Emission {
+            radiance: DVec3::splat(radiance),
+            two_sided,
+        }),
+        ..shape("light", geometry)
+    }
+}
+
+/// A unit square at height 1 over the origin whose front faces down.
+pub fn unit_square() -> Geometry {
+    Geometry::Rectangle {
+        corner: DVec3::new(-0.5, -0.5, 1.0),
+        u: DVec3::new(0.0, 1.0, 0.0),
+        v: DVec3::new(1.0, 0.0, 0.0),
     }
 }
 
