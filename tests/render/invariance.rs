@@ -1,9 +1,9 @@
 //! What must not change an image, bit for bit.
 
-use crate::support::{context, floor_pixel, point_light, scene, take};
+use crate::support::{context, floor_pixel, lambert, point_light, scene, shape, take};
 use direkt::effects::Effect;
 use direkt::render::{Film, Prepared, Session, StopReason};
-use direkt::scene::{FilmSize, Scene};
+use direkt::scene::{Emission, FilmSize, Geometry, MaterialId, Scene};
 use glam::DVec3;
 
 fn small_cornell() -> Scene {
@@ -118,4 +118,47 @@ fn an_interrupted_pass_keeps_what_it_has() {
     let (film, rays) = session.snapshot().unwrap();
     assert_eq!(film, film_of(&prepared, &[2]));
     assert_eq!(rays.camera, 2 * 63 * 65);
+}
+
+/// Every ray passes through the backs of 6,000 one-sided rectangles before it meets the emitting floor: 64 samples
+/// take more loop iterations than Mesa 22's lavapipe grants an invocation (65,535). The kernel notices, and goes on.
+#[test]
+fn loops_longer_than_a_drivers_budget_lose_no_sample() {
+    let mut scene = floor_pixel();
+    scene.shapes[0].emission = Some(Emission {
+        radiance: DVec3::ONE,
+        two_sided: false,
+    });
+    let mut one_sided = lambert(0.5);
+    one_sided.double_sided = false;
+    scene.materials.push(one_sided);
+    for i in 0..6000 {
+        let corner = DVec3::new(-10.0, -10.0, 0.1 + 1.5 * f64::from(i) / 6000.0);
+        let mut culled = shape(
+            "culled",
+            Geometry::Rectangle {
+                corner,
+                u: DVec3::new(0.0, 20.0, 0.0),
+                v: DVec3::new(20.0, 0.0, 0.0),
+            },
+        );
+        culled.material = MaterialId(1);
+        scene.shapes.push(culled);
+    }
+    let context = context();
+    let prepared = prepared(scene);
+    let mut session = Session::new(&context, &prepared, prepared.scene.film, 0).unwrap();
+    session.pass(64, || false).unwrap();
+    let (film, _) = session.snapshot().unwrap();
+    assert_eq!(film.pixels[0].samples, 64, "{:?}", context.adapter);
+    assert_eq!(film.pixels[0].mean, [1.0; 3], "{:?}", context.adapter);
+    let limited = !direkt::gpu::doctor::loop_budget(&context)
+        .unwrap()
+        .is_unlimited();
+    assert_eq!(
+        session.dispatches > 1,
+        limited,
+        "{} dispatches",
+        session.dispatches
+    );
 }
