@@ -52,7 +52,7 @@ fn parameters(count: usize) -> BvhBuildParams {
         pre_split: false,
         ploc_search_distance: PlocSearchDistance::Medium,
         search_depth_threshold: 3,
-        reinsertion_batch_ratio: if large { 0.05 } else { 0.2 },
+        reinsertion_batch_ratio: if large { 0.05 } else { 1.0 },
         post_collapse_reinsertion_batch_ratio_multiplier: if large { 0.0 } else { 2.0 },
         sort_precision: SortPrecision::U64,
         max_prims_per_leaf: MAX_LEAF_PRIMITIVES,

@@ -85,7 +85,7 @@ pub struct Session<'a> {
     /// Position in the open block that every pixel has reached.
     position: u32,
     budget: u64,
-    /// Seconds that linking and compiling the kernel took.
+    /// Seconds that linking and compiling the kernel took, the driver's part included.
     pub compile_seconds: f64,
     /// Dispatches so far.
     pub dispatches: u64,
@@ -103,12 +103,11 @@ impl<'a> Session<'a> {
         seed: u32,
     ) -> Result<Self, GpuError> {
         let buffers = SceneBuffers::new(context, prepared)?;
-        let start = Instant::now();
+        let compile_start = Instant::now();
         let config = Config {
             stack_depth: prepared.stack_depth(),
         };
         let kernel = DirectKernel::new(context, &prepared.effects, config)?;
-        let compile_seconds = start.elapsed().as_secs_f64();
         let device = &context.device;
         let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let frame: GpuBuffer<Frame> = GpuBuffer::zeroed(device, "direct.frame", 1, uniform);
@@ -146,7 +145,7 @@ impl<'a> Session<'a> {
             });
             regions.collect()
         })?;
-        Ok(Self {
+        let mut session = Self {
             context,
             scene: kernel.bind_scene(device, &buffers),
             kernel,
@@ -159,9 +158,22 @@ impl<'a> Session<'a> {
             merged: 0,
             position: 0,
             budget: FIRST_BUDGET,
-            compile_seconds,
+            compile_seconds: 0.0,
             dispatches: 0,
-        })
+        };
+        session.warm_up()?;
+        session.compile_seconds = compile_start.elapsed().as_secs_f64();
+        Ok(session)
+    }
+
+    /// Dispatches a tile without samples: some drivers compile at the first dispatch, not before.
+    fn warm_up(&self) -> Result<(), GpuError> {
+        let nothing = Dispatch {
+            fresh: 1,
+            ..Dispatch::default()
+        };
+        self.submit(&self.regions[0], &nothing, 1)?;
+        Ok(())
     }
 
     /// The WGSL that renders.
