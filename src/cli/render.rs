@@ -168,8 +168,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
     let mut session = Session::new(&context, &prepared, film_size, settings.seed)?;
 
-    let interrupted = stop_on_interrupt();
-    let time = settings.time.map(Duration::from_secs_f64);
     let quiet = arguments.quiet || arguments.json.is_stdout();
     if !quiet {
         let (name, driver) = (&context.adapter.name, &context.adapter.driver);
@@ -178,51 +176,83 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
             arguments.scene.display()
         );
     }
-    let mut progress = Progress::new(settings.spp, time, quiet);
-    let render_start = Instant::now();
-    let mut passes = 0;
-    let out_of_time = || time.is_some_and(|t| render_start.elapsed() >= t);
-    while session.samples() < settings.spp {
-        let samples = session.pass_samples(settings.spp - session.samples());
-        // The first pass is finished whatever the time, so that there is an image.
-        let first = session.samples() == 0;
-        let stop = || interrupted.load(Ordering::Relaxed) || (!first && out_of_time());
-        if session.pass(samples, stop)? == StopReason::Interrupted {
-            break;
-        }
-        passes += 1;
-        progress.update(&session, passes, film_size.pixels())?;
-    }
-    let render_seconds = render_start.elapsed().as_secs_f64();
+    let progressed = take_passes(&mut session, &prepared.scene, quiet)?;
     let (film, rays) = session.snapshot()?;
-    progress.finish();
     if rays.camera == 0 {
         eprintln!("direkt: interrupted before the first sample, nothing was written");
         return Ok(ExitCode::FAILURE);
     }
+    let seconds = Seconds {
+        load: load_seconds,
+        accel: prepared.accel_seconds,
+        compile: session.compile_seconds,
+        render: progressed.seconds,
+        total: start.elapsed().as_secs_f64(),
+    };
+    let report = report(&prepared, &context, &film, rays, &progressed, seconds);
+    finish(arguments, &film, &report, quiet)
+}
 
-    let report = Report {
-        direkt: env!("CARGO_PKG_VERSION"),
-        scene: arguments.scene.display().to_string(),
-        adapter: context.adapter.clone(),
-        width: film_size.width,
-        height: film_size.height,
-        spp: film.sample_range().1,
+/// How the passes went.
+struct Progressed {
+    passes: u64,
+    seconds: f64,
+    interrupted: bool,
+}
+
+/// Takes passes until the samples, the time or the user's patience run out.
+fn take_passes(session: &mut Session<'_>, scene: &Scene, quiet: bool) -> Result<Progressed, Error> {
+    let settings = scene.render;
+    let interrupted = stop_on_interrupt();
+    let time = settings.time.map(Duration::from_secs_f64);
+    let mut progress = Progress::new(settings.spp, time, quiet);
+    let start = Instant::now();
+    let mut passes = 0;
+    while session.samples() < settings.spp {
+        let samples = session.pass_samples(settings.spp - session.samples());
+        // The first pass is finished whatever the time, so that there is an image.
+        let first = session.samples() == 0;
+        let out_of_time = || !first && time.is_some_and(|t| start.elapsed() >= t);
+        let stop = || interrupted.load(Ordering::Relaxed) || out_of_time();
+        if session.pass(samples, stop)? == StopReason::Interrupted {
+            break;
+        }
+        passes += 1;
+        progress.update(session, passes, scene.film.pixels())?;
+    }
+    progress.finish();
+    Ok(Progressed {
         passes,
+        seconds: start.elapsed().as_secs_f64(),
         interrupted: interrupted.load(Ordering::Relaxed),
-        seconds: Seconds {
-            load: load_seconds,
-            accel: prepared.accel_seconds,
-            compile: session.compile_seconds,
-            render: render_seconds,
-            total: start.elapsed().as_secs_f64(),
-        },
+    })
+}
+
+fn report(
+    prepared: &Prepared,
+    context: &Context,
+    film: &Film,
+    rays: RayCounts,
+    progressed: &Progressed,
+    seconds: Seconds,
+) -> Report {
+    let settings = prepared.scene.render;
+    Report {
+        direkt: env!("CARGO_PKG_VERSION"),
+        scene: prepared.scene.source.display().to_string(),
+        adapter: context.adapter.clone(),
+        width: film.size.width,
+        height: film.size.height,
+        spp: film.sample_range().1,
+        passes: progressed.passes,
+        interrupted: progressed.interrupted,
+        samples_per_second: rays.camera as f64 / seconds.render,
+        rays_per_second: rays.total() as f64 / seconds.render,
+        seconds,
         rays,
-        samples_per_second: rays.camera as f64 / render_seconds,
-        rays_per_second: rays.total() as f64 / render_seconds,
         error: film.error(),
         non_finite: film.ledger,
-        effects: effect_reports(&prepared),
+        effects: effect_reports(prepared),
         strategy: settings.strategy,
         light_selection: settings.light_selection,
         sampler: "independent",
@@ -230,8 +260,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         image_mean: film.mean(),
         image_mean_standard_error: film.standard_error_of_mean(),
         warnings: prepared.scene.warnings.clone(),
-    };
-    finish(arguments, &film, &report, quiet)
+    }
 }
 
 fn finish(

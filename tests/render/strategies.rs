@@ -1,6 +1,8 @@
 //! Every strategy estimates the same integral.
 
-use crate::support::{STRATEGIES, context, emitter, floor_pixel, own_scenes, render, unit_square};
+use crate::support::{
+    STRATEGIES, context, emitter, floor_pixel, own_scenes, render, scene, unit_square,
+};
 use direkt::render::Film;
 use direkt::scene::{FilmSize, LightSelection, Scene, Strategy};
 
@@ -66,6 +68,29 @@ fn light_selection_does_not_change_the_mean() {
         assert!(
             z < BOUND,
             "{name}: uniform and power differ by {z:.2} standard errors"
+        );
+    }
+}
+
+/// The Cornell box's image mean, by another renderer at 8,192 samples per pixel (Mitsuba 3.9.1, `direct`, box filter),
+/// which is known to five digits.
+#[test]
+fn cornells_image_mean_is_the_reference_mean() {
+    let mut cornell = scene("scenes/cornell.toml");
+    cornell.render.spp = 32;
+    cornell.render.strategy = Strategy::LightArea;
+    let film = render(&context(), cornell);
+    let (mean, error) = (film.mean(), film.standard_error_of_mean().unwrap());
+    for (c, reference) in [0.16392, 0.11420, 0.05207].into_iter().enumerate() {
+        let bound = 4.5 * error[c] + 5e-6;
+        assert!(
+            bound < 2.5e-3 * reference,
+            "channel {c}: the bound {bound:.1e} must be sharp"
+        );
+        assert!(
+            (mean[c] - reference).abs() < bound,
+            "channel {c}: {} against {reference}",
+            mean[c]
         );
     }
 }
