@@ -78,5 +78,6 @@ pub mod emitters;
 pub mod error;
 pub mod gpu;
 pub mod image;
+pub mod reference;
 pub mod render;
 pub mod scene;

@@ -62,9 +62,10 @@ impl SceneBuffers {
         ] {
             check_size(context, what, bytes as u64)?;
         }
-        let environment = match prepared.scene.environment.as_ref().map(|e| &e.radiance) {
-            Some(EnvironmentRadiance::Map(map)) if prepared.has_environment_map() => {
-                Some(EnvironmentBuffers::new(context, map)?)
+        let radiance = prepared.scene.environment.as_ref().map(|e| &e.radiance);
+        let environment = match (radiance, &prepared.emitters.environment) {
+            (Some(EnvironmentRadiance::Map(map)), Some(grid)) => {
+                Some(EnvironmentBuffers::new(context, map, grid)?)
             }
             _ => None,
         };

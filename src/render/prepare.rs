@@ -1,7 +1,7 @@
 //! From a scene to everything that the GPU needs.
 
 use crate::accel::{self, Bvh, Primitive};
-use crate::effects::{self, Effect, Effects};
+use crate::effects::{self, Effects};
 use crate::emitters::Emitters;
 use crate::scene::normalize::Normalization;
 use crate::scene::{LightSelection, Scene, Strategy};
@@ -49,10 +49,5 @@ impl Prepared {
     /// Entries of the traversal's stack, in steps of four so that few kernels differ by it alone.
     pub fn stack_depth(&self) -> u32 {
         (self.bvh.depth.max(1) as u32).next_multiple_of(4)
-    }
-
-    /// Whether an environment map is uploaded.
-    pub fn has_environment_map(&self) -> bool {
-        self.effects.contains(Effect::EnvironmentMap)
     }
 }

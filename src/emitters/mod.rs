@@ -1,5 +1,9 @@
 //! Everything that emits, as one list with selection probabilities.
 
+mod environment;
+
+pub use environment::EnvironmentGrid;
+
 use crate::accel::Primitive;
 use crate::scene::alias_table::AliasTable;
 use crate::scene::normalize::Normalization;
@@ -32,6 +36,8 @@ pub struct Emitters {
     pub lights: Vec<Emitter>,
     /// How light sampling chooses; `None` where it has nothing to choose from.
     pub selection: Option<AliasTable>,
+    /// How a direction towards the environment map is chosen, where there is a map that emits.
+    pub environment: Option<EnvironmentGrid>,
 }
 
 /// Rec. 709 luminance.
@@ -80,11 +86,15 @@ impl Emitters {
                 lights.push(Emitter::Delta(light));
             }
         }
+        let mut grid = None;
         if let Some(environment) = &scene.environment {
             let of_environment = environment_power(environment);
             if of_environment > 0.0 {
                 power.push(of_environment);
                 lights.push(Emitter::Environment);
+                if let EnvironmentRadiance::Map(map) = &environment.radiance {
+                    grid = EnvironmentGrid::new(map);
+                }
             }
         }
         let weights: Vec<f64> = lights
@@ -99,6 +109,7 @@ impl Emitters {
         Self {
             lights,
             selection: AliasTable::new(&weights),
+            environment: grid,
         }
     }
 

@@ -1,0 +1,90 @@
+//! The BSDF of a material: a Lambert lobe under a GGX lobe, in the local frame.
+//! f_r = (1 − F) diffuse/π + F·D·G2 / (4 cosθ_i cosθ_o).
+
+use super::ggx::{eval_ggx, fresnel_schlick, pdf_ggx, sample_ggx_visible_normal};
+use super::lambert::{eval_lambert, pdf_lambert, sample_lambert};
+use crate::reference::core::math::luminance;
+use crate::reference::core::pdf::PdfSolidAngle;
+use crate::scene::material::{BsdfParameters, SpecularLobe};
+use glam::{DVec2, DVec3};
+
+/// Value and density for one pair of directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BsdfValue {
+    /// f_r · cosθ_i.
+    pub f_cos: DVec3,
+    /// Density with which [`sample_bsdf`] chooses this direction.
+    pub pdf: PdfSolidAngle,
+}
+
+/// A sampled direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BsdfSample {
+    /// Unit direction, local frame; z > 0 unless the sample failed.
+    pub wi: DVec3,
+    /// f_r · cosθ_i / pdf; 0 where the sample failed.
+    pub weight: DVec3,
+    /// Density.
+    pub pdf: PdfSolidAngle,
+    /// Whether the GGX lobe was chosen.
+    pub specular: bool,
+}
+
+/// Probability of sampling the GGX lobe: its share of the reflected luminance, estimated at the mirror direction.
+pub fn specular_share(diffuse: DVec3, lobe: &SpecularLobe, cos_o: f64) -> f64 {
+    let f = fresnel_schlick(lobe.f0, cos_o);
+    let s = luminance(f);
+    let d = luminance((DVec3::ONE - f) * diffuse);
+    s / (s + d).max(1e-20)
+}
+
+/// Value and density of the direction `wi` for the viewer `wo`.
+pub fn eval_bsdf(m: &BsdfParameters, wi: DVec3, wo: DVec3) -> BsdfValue {
+    if wi.z <= 0.0 || wo.z <= 0.0 {
+        return BsdfValue {
+            f_cos: DVec3::ZERO,
+            pdf: PdfSolidAngle(0.0),
+        };
+    }
+    let diffuse = eval_lambert(m.diffuse);
+    let pdf_diffuse = pdf_lambert(wi.z);
+    let half = (wi + wo).try_normalize();
+    let (Some(lobe), Some(h)) = (&m.specular, half) else {
+        return BsdfValue {
+            f_cos: diffuse * wi.z,
+            pdf: pdf_diffuse,
+        };
+    };
+    let f = fresnel_schlick(lobe.f0, wi.dot(h));
+    let share = specular_share(m.diffuse, lobe, wo.z);
+    let pdf_specular = pdf_ggx(wo, h, lobe.alpha);
+    BsdfValue {
+        f_cos: (f * eval_ggx(wi, wo, h, lobe.alpha) + (DVec3::ONE - f) * diffuse) * wi.z,
+        pdf: PdfSolidAngle((1.0 - share) * pdf_diffuse.0 + share * pdf_specular.0),
+    }
+}
+
+/// `lobe` chooses the lobe, `u` the direction.
+pub fn sample_bsdf(m: &BsdfParameters, wo: DVec3, lobe: f64, u: DVec2) -> BsdfSample {
+    let mut wi = sample_lambert(u);
+    let specular = m
+        .specular
+        .as_ref()
+        .filter(|s| lobe < specular_share(m.diffuse, s, wo.z));
+    if let Some(s) = specular {
+        let h = sample_ggx_visible_normal(wo, s.alpha, u);
+        wi = 2.0 * wo.dot(h) * h - wo;
+    }
+    let value = eval_bsdf(m, wi, wo);
+    let weight = if value.pdf.0 > 0.0 {
+        value.f_cos / value.pdf.0
+    } else {
+        DVec3::ZERO
+    };
+    BsdfSample {
+        wi,
+        weight,
+        pdf: value.pdf,
+        specular: specular.is_some(),
+    }
+}

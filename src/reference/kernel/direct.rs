@@ -1,0 +1,286 @@
+//! Direct lighting, one sample at a time:
+//!
+//! L_o(x, ω_o) = L_e(x, ω_o) + ∫ L_i(x, ω_i) f_r(ω_i, ω_o) cosθ_i dω_i
+//!
+//! estimated by light sampling, by BSDF sampling, or by both with the power heuristic.
+
+use super::camera::camera_ray;
+use crate::effects::Effect;
+use crate::reference::broken::BrokenTwin;
+use crate::reference::bsdf::bsdf::{eval_bsdf, sample_bsdf};
+use crate::reference::core::frame::{to_local, to_world};
+use crate::reference::core::pdf::{PdfSolidAngle, power_heuristic};
+use crate::reference::core::ray::Ray;
+use crate::reference::core::rng::{to_unit, to_unit_2d};
+use crate::reference::core::sampler::{
+    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, SampleId, random_group,
+};
+use crate::reference::light::light::{
+    LightSample, choose_light, emitted_radiance, environment_radiance, pdf_area_light,
+    pdf_environment, pdf_light_area, sample_chosen_light,
+};
+use crate::reference::scene::fetch::World;
+use crate::reference::scene::surface::{Surface, surface_at};
+use crate::reference::scene::trace::{any_hit, closest_hit};
+use crate::render::Prepared;
+use crate::scene::FilmSize;
+use glam::{DVec2, DVec3};
+
+/// How a shadow ray ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shadow {
+    /// None was traced: nothing could have arrived.
+    #[default]
+    NotTraced,
+    /// Nothing was in the way.
+    Clear,
+    /// Something was.
+    Blocked,
+}
+
+/// How a BSDF-sampled ray ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BsdfRay {
+    /// None was traced: nothing could have arrived.
+    #[default]
+    NotTraced,
+    /// It left the scene.
+    Missed,
+    /// It met a primitive.
+    Hit(u32),
+}
+
+/// What the rays of one sample met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Path {
+    /// What the camera ray met.
+    pub camera: Option<u32>,
+    /// Whether that was its front.
+    pub camera_front: bool,
+    /// The shadow ray.
+    pub shadow: Shadow,
+    /// The BSDF-sampled ray.
+    pub bsdf: BsdfRay,
+    /// Whether it met the front.
+    pub bsdf_front: bool,
+}
+
+/// One sample of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Sample {
+    /// Radiance.
+    pub radiance: DVec3,
+    /// The part of it that light sampling found.
+    pub by_light: DVec3,
+    /// The part that BSDF sampling found.
+    pub by_bsdf: DVec3,
+    /// What its rays met.
+    pub path: Path,
+}
+
+/// The estimator in f64, with the renderer's random numbers.
+#[derive(Debug)]
+pub struct Direct<'a> {
+    world: World<'a>,
+    size: FilmSize,
+    seed: u32,
+    sample_lights: bool,
+    sample_bsdf: bool,
+    broken: Option<BrokenTwin>,
+    left_out: u32,
+}
+
+impl<'a> Direct<'a> {
+    /// The estimator for an image of `size` pixels; `broken` makes one mistake.
+    pub(in crate::reference) fn new(
+        prepared: &'a Prepared,
+        size: FilmSize,
+        seed: u32,
+        broken: Option<BrokenTwin>,
+    ) -> Self {
+        let probability = |i: &u32| prepared.emitters.probability(*i as usize);
+        let lights = 0..prepared.emitters.lights.len() as u32;
+        let likeliest = lights.max_by(|a, b| probability(a).total_cmp(&probability(b)));
+        Self {
+            world: World::new(prepared),
+            size,
+            seed,
+            sample_lights: prepared.effects.contains(Effect::SampleLights),
+            sample_bsdf: prepared.effects.contains(Effect::SampleBsdf),
+            broken,
+            left_out: likeliest.unwrap_or(u32::MAX),
+        }
+    }
+
+    /// The scene.
+    pub fn world(&self) -> &World<'a> {
+        &self.world
+    }
+
+    /// The same estimator with other random numbers.
+    #[must_use]
+    pub fn with_seed(self, seed: u32) -> Self {
+        Self { seed, ..self }
+    }
+
+    /// The ray of sample `index` of the pixel (x, y).
+    pub fn camera_ray(&self, x: u32, y: u32, index: u64) -> Ray {
+        let film = random_group(self.id(x, y, index), GROUP_FILM);
+        let corner = DVec2::new(f64::from(x), f64::from(y));
+        camera_ray(
+            &self.world,
+            self.size,
+            corner + to_unit_2d(film[0], film[1]),
+        )
+    }
+
+    fn id(&self, x: u32, y: u32, index: u64) -> SampleId {
+        SampleId {
+            pixel: y * self.size.width + x,
+            index,
+            seed: self.seed,
+        }
+    }
+
+    /// One sample of the radiance that arrives at the pixel (x, y).
+    pub fn sample_radiance(&self, x: u32, y: u32, index: u64) -> Sample {
+        let mut sample = Sample::default();
+        let ray = self.camera_ray(x, y, index);
+        let Some(hit) = closest_hit(&self.world, &ray) else {
+            sample.radiance = environment_radiance(&self.world, ray.direction);
+            return sample;
+        };
+        let s = surface_at(&self.world, &ray, &hit, -ray.direction);
+        sample.path.camera = Some(hit.primitive);
+        sample.path.camera_front = s.front;
+        if let Some(light) = s.light {
+            sample.radiance += emitted_radiance(&self.world, light, s.front);
+        }
+        let id = self.id(x, y, index);
+        let light_words = random_group(id, GROUP_LIGHT);
+        let direction_words = random_group(id, GROUP_DIRECTION);
+        if self.sample_lights {
+            sample.by_light =
+                self.estimate_by_light(&s, light_words, direction_words[2], &mut sample.path);
+        }
+        if self.sample_bsdf {
+            sample.by_bsdf =
+                self.estimate_by_bsdf(&s, light_words[3], direction_words, &mut sample.path);
+        }
+        sample.radiance += sample.by_light + sample.by_bsdf;
+        sample
+    }
+
+    /// A sample of a light, with the mistakes of a broken twin.
+    fn sample_light(&self, s: &Surface, words: [u32; 4], texel: u32) -> Option<LightSample> {
+        let choice = choose_light(&self.world, words[0])?;
+        if self.broken == Some(BrokenTwin::LightLeftOut) && choice.index == self.left_out {
+            return None;
+        }
+        let u = to_unit_2d(words[1], words[2]);
+        let mut light = sample_chosen_light(&self.world, choice, s.position, u, texel);
+        if self.broken.is_some() && !light.delta && light.pdf.0 > 0.0 {
+            let pdf = BrokenTwin::measure(
+                self.broken,
+                choice.probability,
+                light.pdf_on_light,
+                light.pdf,
+            );
+            light.radiance_over_pdf *= light.pdf.0 / pdf.0;
+            light.pdf = pdf;
+        }
+        let one = BrokenTwin::density(self.broken, PdfSolidAngle(1.0));
+        light.radiance_over_pdf /= one.0;
+        light.pdf = BrokenTwin::density(self.broken, light.pdf);
+        Some(light)
+    }
+
+    /// L_i f_r cosθ / p(light, ω_i), where ω_i is chosen by light sampling.
+    fn estimate_by_light(
+        &self,
+        s: &Surface,
+        words: [u32; 4],
+        texel: u32,
+        path: &mut Path,
+    ) -> DVec3 {
+        let Some(light) = self.sample_light(s, words, texel) else {
+            return DVec3::ZERO;
+        };
+        let wi = to_local(&s.frame, light.wi);
+        let f = eval_bsdf(&s.material, wi, s.wo);
+        let f_cos = BrokenTwin::f_cos(self.broken, f.f_cos, wi.z);
+        let mut contribution = f_cos * light.radiance_over_pdf;
+        if self.sample_bsdf && !light.delta {
+            let pdf_bsdf = BrokenTwin::density(self.broken, f.pdf);
+            let weight = power_heuristic(light.pdf, pdf_bsdf);
+            contribution *= BrokenTwin::weight(self.broken, weight);
+        }
+        if contribution.max_element() <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let ray = Ray {
+            origin: s.origin,
+            direction: light.target_point - s.origin,
+        };
+        if any_hit(&self.world, &ray, 1.0) {
+            path.shadow = Shadow::Blocked;
+            return DVec3::ZERO;
+        }
+        path.shadow = Shadow::Clear;
+        contribution
+    }
+
+    /// L_i f_r cosθ / p(ω_i), where ω_i is chosen in proportion to the BSDF.
+    fn estimate_by_bsdf(&self, s: &Surface, lobe: u32, words: [u32; 4], path: &mut Path) -> DVec3 {
+        let u = to_unit_2d(words[0], words[1]);
+        let chosen = sample_bsdf(&s.material, s.wo, to_unit(lobe), u);
+        if chosen.weight.max_element() <= 0.0 {
+            return DVec3::ZERO;
+        }
+        let wi = BrokenTwin::direction(self.broken, chosen.wi);
+        let one = BrokenTwin::density(self.broken, PdfSolidAngle(1.0));
+        let weight = BrokenTwin::f_cos(self.broken, chosen.weight, wi.z) / one.0;
+        let pdf_bsdf = BrokenTwin::density(self.broken, chosen.pdf);
+        let ray = Ray {
+            origin: s.origin,
+            direction: to_world(&s.frame, wi),
+        };
+        let (radiance, pdf_light) = self.light_in_direction(&ray, path);
+        let mut contribution = radiance * weight;
+        if self.sample_lights {
+            let pdf_light = BrokenTwin::density(self.broken, pdf_light);
+            let weight = power_heuristic(pdf_bsdf, pdf_light);
+            contribution *= BrokenTwin::weight(self.broken, weight);
+        }
+        contribution
+    }
+
+    /// Radiance along `ray`, and the density with which light sampling would have chosen its direction.
+    fn light_in_direction(&self, ray: &Ray, path: &mut Path) -> (DVec3, PdfSolidAngle) {
+        let world = &self.world;
+        let dark = (DVec3::ZERO, PdfSolidAngle(0.0));
+        let Some(hit) = closest_hit(world, ray) else {
+            path.bsdf = BsdfRay::Missed;
+            if world.prepared.scene.environment.is_none() {
+                return dark;
+            }
+            let (choice, on_image, pdf) = pdf_environment(world, ray.direction);
+            return (
+                environment_radiance(world, ray.direction),
+                BrokenTwin::measure(self.broken, choice, on_image, pdf),
+            );
+        };
+        path.bsdf = BsdfRay::Hit(hit.primitive);
+        let y = surface_at(world, ray, &hit, -ray.direction);
+        path.bsdf_front = y.front;
+        let Some(light) = y.light else {
+            return dark;
+        };
+        let (choice, on_light) = pdf_light_area(world, light);
+        let pdf = pdf_area_light(world, light, hit.t * hit.t, y.wo.z);
+        (
+            emitted_radiance(world, light, y.front),
+            BrokenTwin::measure(self.broken, choice, Some(on_light), pdf),
+        )
+    }
+}

@@ -1,0 +1,4 @@
+//! `shaders/kernel/` in f64.
+
+pub mod camera;
+pub mod direct;

@@ -1,0 +1,368 @@
+//! Light sampling: choose a light, then a direction towards it.
+
+use super::alias_table::{Choice, alias_choice};
+use super::disk::{pdf_disk_area, sample_disk_area};
+use super::environment::{
+    bilinear_texels, map_from_direction, pdf_environment_cell, sample_environment_cell,
+};
+use super::rectangle::{pdf_rectangle_area, sample_rectangle_area};
+use super::sphere::{pdf_sphere_area, sample_sphere_area};
+use super::spot::spot_falloff;
+use super::triangle::{pdf_triangle_area, sample_triangle_area};
+use crate::accel::PrimitiveGeometry;
+use crate::emitters::Emitter;
+use crate::reference::core::math::max_abs;
+use crate::reference::core::pdf::{
+    PdfArea, PdfDiscrete, PdfSolidAngle, area_to_solid_angle, chosen,
+};
+use crate::reference::scene::fetch::World;
+use crate::reference::scene::surface::OFFSET;
+use crate::scene::light::Interpolation;
+use crate::scene::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+
+/// Length beyond everything in the normalised scene.
+const FAR: f64 = 4.0;
+
+/// A direction towards a light, seen from a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightSample {
+    /// Unit direction.
+    pub wi: DVec3,
+    /// Where the shadow ray ends: off the light, towards the point.
+    pub target_point: DVec3,
+    /// Radiance divided by the density of this sample, light selection included (for lights without extent:
+    /// irradiance on a surface that faces the light, divided by the probability of the light); 0 where nothing
+    /// arrives.
+    pub radiance_over_pdf: DVec3,
+    /// Density with which the sample was chosen, light selection included; 0 for lights without extent.
+    pub pdf: PdfSolidAngle,
+    /// Density with which the point was chosen on its light, or on the unit square of the environment's image, without
+    /// light selection; none for lights that have neither.
+    pub pdf_on_light: Option<PdfArea>,
+    /// Whether only light sampling can reach the light.
+    pub delta: bool,
+}
+
+fn no_light() -> LightSample {
+    LightSample {
+        wi: DVec3::Z,
+        target_point: DVec3::ZERO,
+        radiance_over_pdf: DVec3::ZERO,
+        pdf: PdfSolidAngle(0.0),
+        pdf_on_light: None,
+        delta: false,
+    }
+}
+
+/// The light that the random word `u` selects; `None` where there is nothing to select from.
+pub fn choose_light(world: &World<'_>, u: u32) -> Option<Choice> {
+    Some(alias_choice(u, world.prepared.emitters.selection.as_ref()?))
+}
+
+/// A point on an area light: where, which way its front faces, and with which density.
+struct LightPoint {
+    position: DVec3,
+    normal: DVec3,
+    pdf: PdfArea,
+    /// Size of the coordinates, for the offset.
+    extent: f64,
+}
+
+fn sample_area(geometry: &PrimitiveGeometry, u: DVec2) -> LightPoint {
+    let area = geometry.area();
+    let planar = |a: DVec3, e1: DVec3, e2: DVec3, st: DVec2, pdf: PdfArea| LightPoint {
+        position: a + st.x * e1 + st.y * e2,
+        normal: e1.cross(e2).normalize(),
+        pdf,
+        extent: max_abs(a) + max_abs(e1) + max_abs(e2),
+    };
+    match *geometry {
+        PrimitiveGeometry::Triangle { a, u: e1, v: e2 } => {
+            planar(a, e1, e2, sample_triangle_area(u), pdf_triangle_area(area))
+        }
+        PrimitiveGeometry::Rectangle { a, u: e1, v: e2 } => planar(
+            a,
+            e1,
+            e2,
+            sample_rectangle_area(u),
+            pdf_rectangle_area(area),
+        ),
+        PrimitiveGeometry::Disk { a, u: e1, v: e2 } => {
+            planar(a, e1, e2, sample_disk_area(u), pdf_disk_area(area))
+        }
+        PrimitiveGeometry::Sphere { center, radius } => {
+            let normal = sample_sphere_area(u);
+            LightPoint {
+                position: center + radius * normal,
+                normal,
+                pdf: pdf_sphere_area(area),
+                extent: max_abs(center) + radius,
+            }
+        }
+    }
+}
+
+/// A sample of a point on an area light that emits `radiance`, seen from `x`.
+fn area_light_sample(
+    point: &LightPoint,
+    radiance: DVec3,
+    two_sided: bool,
+    choice: PdfDiscrete,
+    x: DVec3,
+) -> LightSample {
+    let d = point.position - x;
+    let d2 = d.length_squared();
+    let Some(wi) = d.try_normalize() else {
+        return no_light();
+    };
+    let signed_cos = -point.normal.dot(wi);
+    let cos_light = if two_sided {
+        signed_cos.abs()
+    } else {
+        signed_cos
+    };
+    if cos_light <= 0.0 {
+        return no_light();
+    }
+    let towards_x = if signed_cos > 0.0 {
+        point.normal
+    } else {
+        -point.normal
+    };
+    LightSample {
+        wi,
+        target_point: point.position + towards_x * (point.extent * OFFSET),
+        radiance_over_pdf: radiance * cos_light / (d2 * point.pdf.0 * choice.0),
+        pdf: chosen(choice, area_to_solid_angle(point.pdf, d2, cos_light)),
+        pdf_on_light: Some(point.pdf),
+        delta: false,
+    }
+}
+
+/// A light without a surface, seen from `x`.
+fn delta_light_sample(light: &Light, choice: PdfDiscrete, x: DVec3) -> LightSample {
+    let from_point = |position: DVec3, intensity: &dyn Fn(DVec3) -> DVec3| {
+        let d = position - x;
+        let Some(wi) = d.try_normalize() else {
+            return no_light();
+        };
+        LightSample {
+            wi,
+            target_point: position,
+            radiance_over_pdf: intensity(wi) / (d.length_squared() * choice.0),
+            pdf: PdfSolidAngle(0.0),
+            pdf_on_light: None,
+            delta: true,
+        }
+    };
+    match *light {
+        Light::Point {
+            position,
+            intensity,
+        } => from_point(position, &|_| intensity),
+        Light::Spot {
+            position,
+            direction,
+            intensity,
+            inner_angle,
+            outer_angle,
+        } => from_point(position, &|wi| {
+            let cos_theta = -wi.dot(direction);
+            intensity * spot_falloff(cos_theta, inner_angle.cos(), outer_angle.cos())
+        }),
+        Light::Directional {
+            direction,
+            irradiance,
+        } => LightSample {
+            wi: -direction,
+            target_point: x - direction * FAR,
+            radiance_over_pdf: irradiance / choice.0,
+            pdf: PdfSolidAngle(0.0),
+            pdf_on_light: None,
+            delta: true,
+        },
+    }
+}
+
+/// A sample of the chosen light from `x`. `u` is the point on the light, `texel` a random word.
+pub fn sample_chosen_light(
+    world: &World<'_>,
+    choice: Choice,
+    x: DVec3,
+    u: DVec2,
+    texel: u32,
+) -> LightSample {
+    let probability = choice.probability;
+    match &world.prepared.emitters.lights[choice.index as usize] {
+        Emitter::Area {
+            primitive,
+            radiance,
+            two_sided,
+        } => {
+            let geometry = &world.primitives[*primitive as usize].geometry;
+            let point = sample_area(geometry, u);
+            area_light_sample(&point, *radiance, *two_sided, probability, x)
+        }
+        Emitter::Delta(light) => delta_light_sample(light, probability, x),
+        Emitter::Environment => sample_environment(world, probability, x, u, texel),
+    }
+}
+
+/// Radiance that the surface of a light emits towards a viewer on its front or back.
+pub fn emitted_radiance(world: &World<'_>, light: u32, front: bool) -> DVec3 {
+    match world.prepared.emitters.lights[light as usize] {
+        Emitter::Area {
+            radiance,
+            two_sided,
+            ..
+        } if front || two_sided => radiance,
+        _ => DVec3::ZERO,
+    }
+}
+
+/// Probability that light selection chooses `light`, and the density per area of its points.
+pub fn pdf_light_area(world: &World<'_>, light: u32) -> (PdfDiscrete, PdfArea) {
+    let Emitter::Area { primitive, .. } = world.prepared.emitters.lights[light as usize] else {
+        unreachable!("only lights with a surface are hit");
+    };
+    let area = world.primitives[primitive as usize].geometry.area();
+    let selection = world.prepared.emitters.probability(light as usize);
+    (PdfDiscrete(selection), PdfArea(1.0 / area))
+}
+
+/// Density with which light sampling would have chosen the direction in which a ray met an area light, light selection
+/// included: `distance_squared` away, at cosine `cos_light` > 0.
+pub fn pdf_area_light(
+    world: &World<'_>,
+    light: u32,
+    distance_squared: f64,
+    cos_light: f64,
+) -> PdfSolidAngle {
+    let (selection, pdf) = pdf_light_area(world, light);
+    chosen(
+        selection,
+        area_to_solid_angle(pdf, distance_squared, cos_light),
+    )
+}
+
+fn environment<'a>(world: &World<'a>) -> &'a Environment {
+    let environment = world.prepared.scene.environment.as_ref();
+    environment.expect("only a scene with an environment asks for it")
+}
+
+fn texel(map: &EnvironmentMap, column: u32, row: u32) -> DVec3 {
+    let rgb = map.texels[row as usize * map.width as usize + column as usize];
+    DVec3::from_array(rgb.map(f64::from))
+}
+
+/// Radiance of `map` at image coordinates in [0, 1]².
+fn map_radiance(map: &EnvironmentMap, image: DVec2) -> DVec3 {
+    let position = image * DVec2::new(f64::from(map.width), f64::from(map.height));
+    match map.interpolation {
+        Interpolation::Linear => {
+            let n = bilinear_texels(position, [map.width, map.height]);
+            let top = texel(map, n.left, n.top).lerp(texel(map, n.right, n.top), n.blend.x);
+            let left = texel(map, n.left, n.bottom);
+            let bottom = left.lerp(texel(map, n.right, n.bottom), n.blend.x);
+            top.lerp(bottom, n.blend.y)
+        }
+        Interpolation::Nearest => texel(
+            map,
+            (position.x as u32).min(map.width - 1),
+            (position.y as u32).min(map.height - 1),
+        ),
+    }
+}
+
+/// Radiance that arrives from the environment in the unit direction `direction`; 0 where there is none.
+pub fn environment_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
+    let Some(environment) = &world.prepared.scene.environment else {
+        return DVec3::ZERO;
+    };
+    let to_map = environment.rotation.transpose();
+    environment.scale
+        * match &environment.radiance {
+            EnvironmentRadiance::Constant(radiance) => *radiance,
+            EnvironmentRadiance::Map(map) => {
+                map_radiance(map, map_from_direction(to_map * direction))
+            }
+        }
+}
+
+/// Probability that light selection chooses the environment.
+fn environment_selection(world: &World<'_>) -> PdfDiscrete {
+    let emitters = &world.prepared.emitters;
+    let index = emitters
+        .lights
+        .iter()
+        .position(|l| *l == Emitter::Environment);
+    PdfDiscrete(index.map_or(0.0, |i| emitters.probability(i)))
+}
+
+/// The cell of the environment's sampling grid in the unit direction `direction`, and its probability; `None` where the
+/// environment has no map.
+fn environment_cell(world: &World<'_>, direction: DVec3) -> Option<([u32; 2], PdfDiscrete)> {
+    let grid = world.prepared.emitters.environment.as_ref()?;
+    let [width, height] = grid.size;
+    let image = map_from_direction(environment(world).rotation.transpose() * direction);
+    let column = ((image.x * f64::from(width)) as u32).min(width - 1);
+    let row = ((image.y * f64::from(height)) as u32).min(height - 1);
+    let p = grid.table.probability[row as usize * width as usize + column as usize];
+    Some(([column, row], PdfDiscrete(p)))
+}
+
+/// Density of a cell with probability `p` on the unit square of the environment's image.
+fn pdf_on_image(p: PdfDiscrete, [width, height]: [u32; 2]) -> PdfArea {
+    PdfArea(p.0 * f64::from(width) * f64::from(height))
+}
+
+/// Density of [`sample_environment`] in the unit direction `direction`: probability of the environment, density on its
+/// image, and per solid angle with light selection included.
+pub fn pdf_environment(
+    world: &World<'_>,
+    direction: DVec3,
+) -> (PdfDiscrete, Option<PdfArea>, PdfSolidAngle) {
+    let selection = environment_selection(world);
+    let grid = world.prepared.emitters.environment.as_ref();
+    let (on_image, pdf) = match (grid, environment_cell(world, direction)) {
+        (Some(grid), Some((cell, p))) => (
+            Some(pdf_on_image(p, grid.size)),
+            pdf_environment_cell(p, cell[1], grid.size),
+        ),
+        _ => (None, PdfSolidAngle(1.0 / (4.0 * PI))),
+    };
+    (selection, on_image, chosen(selection, pdf))
+}
+
+/// A direction towards the environment, in proportion to the luminance of its map.
+pub fn sample_environment(
+    world: &World<'_>,
+    selection: PdfDiscrete,
+    x: DVec3,
+    u: DVec2,
+    texel: u32,
+) -> LightSample {
+    let (direction, on_image, pdf) = match &world.prepared.emitters.environment {
+        Some(grid) => {
+            let choice = alias_choice(texel, &grid.table);
+            let cell = [choice.index % grid.size[0], choice.index / grid.size[0]];
+            (
+                environment(world).rotation * sample_environment_cell(cell, grid.size, u),
+                Some(pdf_on_image(choice.probability, grid.size)),
+                pdf_environment_cell(choice.probability, cell[1], grid.size),
+            )
+        }
+        None => (sample_sphere_area(u), None, PdfSolidAngle(1.0 / (4.0 * PI))),
+    };
+    let pdf = chosen(selection, pdf);
+    LightSample {
+        wi: direction,
+        target_point: x + direction * FAR,
+        radiance_over_pdf: environment_radiance(world, direction) / pdf.0.max(1e-30),
+        pdf,
+        pdf_on_light: on_image,
+        delta: false,
+    }
+}

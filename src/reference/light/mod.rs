@@ -1,0 +1,14 @@
+//! `shaders/light/` in f64.
+#![expect(
+    clippy::module_inception,
+    reason = "the modules have the names of the shader files"
+)]
+
+pub mod alias_table;
+pub mod disk;
+pub mod environment;
+pub mod light;
+pub mod rectangle;
+pub mod sphere;
+pub mod spot;
+pub mod triangle;

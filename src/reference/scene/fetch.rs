@@ -1,0 +1,61 @@
+//! What a ray can meet and a light sample can choose.
+
+use crate::accel::PrimitiveGeometry;
+use crate::emitters::Emitter;
+use crate::reference::core::bvh::Bvh;
+use crate::render::Prepared;
+use crate::scene::material::BsdfParameters;
+
+/// A primitive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Primitive {
+    /// Geometry, normalised space.
+    pub geometry: PrimitiveGeometry,
+    /// How it scatters.
+    pub material: BsdfParameters,
+    /// Whether rays pass through its back.
+    pub one_sided: bool,
+    /// Index of its light.
+    pub light: Option<u32>,
+}
+
+/// The scene in f64, unrounded, with a hierarchy of its own. Primitives and lights are numbered as on the GPU.
+#[derive(Debug)]
+pub struct World<'a> {
+    /// What was prepared for the GPU as well: lights, their probabilities, the normalisation.
+    pub prepared: &'a Prepared,
+    /// Primitives.
+    pub primitives: Vec<Primitive>,
+    /// The hierarchy over them.
+    pub bvh: Bvh,
+}
+
+impl<'a> World<'a> {
+    /// The scene of `prepared`.
+    pub fn new(prepared: &'a Prepared) -> Self {
+        let mut primitives: Vec<Primitive> = prepared
+            .primitives
+            .iter()
+            .map(|p| {
+                let material = &prepared.scene.materials[p.material.index()];
+                Primitive {
+                    geometry: p.geometry,
+                    material: material.bsdf.parameters(),
+                    one_sided: !material.double_sided,
+                    light: None,
+                }
+            })
+            .collect();
+        for (index, emitter) in prepared.emitters.lights.iter().enumerate() {
+            if let Emitter::Area { primitive, .. } = emitter {
+                primitives[*primitive as usize].light = Some(index as u32);
+            }
+        }
+        let boxes: Vec<_> = primitives.iter().map(|p| p.geometry.bounds()).collect();
+        Self {
+            prepared,
+            bvh: Bvh::new(&boxes),
+            primitives,
+        }
+    }
+}

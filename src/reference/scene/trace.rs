@@ -1,0 +1,86 @@
+//! Rays against the scene.
+
+use super::fetch::{Primitive, World};
+use crate::accel::PrimitiveGeometry;
+use crate::reference::core::bvh::{Children, enter_box};
+use crate::reference::core::ray::{Hit, Ray};
+use crate::reference::core::ray_planar::{
+    PlanarHit, intersect_disk, intersect_rectangle, intersect_triangle,
+};
+use crate::reference::core::ray_sphere::intersect_sphere;
+use glam::DVec2;
+
+/// Ray parameter and coordinates at which the ray meets the primitive in (0, t_max).
+pub fn intersect_primitive(ray: &Ray, p: &Primitive, t_max: f64) -> Option<(f64, DVec2)> {
+    let planar = |hit: PlanarHit| {
+        let visible = hit.inside && (hit.front || !p.one_sided);
+        (visible && hit.t > 0.0 && hit.t < t_max).then_some((hit.t, hit.st))
+    };
+    match p.geometry {
+        PrimitiveGeometry::Triangle { a, u, v } => planar(intersect_triangle(ray, a, u, v)),
+        PrimitiveGeometry::Rectangle { a, u, v } => planar(intersect_rectangle(ray, a, u, v)),
+        PrimitiveGeometry::Disk { a, u, v } => planar(intersect_disk(ray, a, u, v)),
+        PrimitiveGeometry::Sphere { center, radius } => {
+            let (near, far) = intersect_sphere(ray, center, radius)?;
+            let enters = near > 0.0;
+            let t = if enters { near } else { far };
+            let visible = t > 0.0 && t < t_max && (enters || !p.one_sided);
+            visible.then_some((t, DVec2::ZERO))
+        }
+    }
+}
+
+/// Walks the hierarchy for the nearest intersection with parameter in (0, t_max), or for any.
+fn traverse(world: &World<'_>, ray: &Ray, t_max: f64, stop_at_any: bool) -> Option<Hit> {
+    if world.bvh.nodes.is_empty() {
+        return None;
+    }
+    let inv_direction = ray.direction.recip();
+    let mut nearest: Option<Hit> = None;
+    let mut pending = vec![(0_u32, 0.0_f64)];
+    while let Some((index, enter)) = pending.pop() {
+        let limit = nearest.map_or(t_max, |h| h.t);
+        if enter > limit {
+            continue;
+        }
+        match world.bvh.nodes[index as usize].children {
+            Children::Leaf(first, end) => {
+                for &i in &world.bvh.order[first as usize..end as usize] {
+                    let limit = nearest.map_or(t_max, |h| h.t);
+                    let p = &world.primitives[i as usize];
+                    if let Some((t, st)) = intersect_primitive(ray, p, limit) {
+                        nearest = Some(Hit {
+                            t,
+                            primitive: i,
+                            st,
+                        });
+                    }
+                }
+                if stop_at_any && nearest.is_some() {
+                    return nearest;
+                }
+            }
+            Children::Inner(a, b) => {
+                let enter = |child: u32| {
+                    let aabb = &world.bvh.nodes[child as usize].aabb;
+                    Some((child, enter_box(ray.origin, inv_direction, aabb, limit)?))
+                };
+                match (enter(a), enter(b)) {
+                    (Some(a), Some(b)) if a.1 <= b.1 => pending.extend([b, a]),
+                    (a, b) => pending.extend(a.into_iter().chain(b)),
+                }
+            }
+        }
+    }
+    nearest
+}
+
+/// The nearest intersection with parameter in (0, ∞).
+pub fn closest_hit(world: &World<'_>, ray: &Ray) -> Option<Hit> {
+    traverse(world, ray, f64::INFINITY, false)
+}
+
+/// Whether anything lies on the ray with parameter in (0, t_max).
+pub fn any_hit(world: &World<'_>, ray: &Ray, t_max: f64) -> bool {
+    traverse(world, ray, t_max, true).is_some()
+}
