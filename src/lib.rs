@@ -16,7 +16,7 @@
 //!                                 emitters (lights, selection), effects (what is compiled in, and why)
 //!                                │
 //!                                ▼
-//!               gpu::SceneBuffers, gpu::shader::link (WESL → WGSL), gpu::DirectKernel
+//!               gpu::SceneBuffers, gpu::shader::link (WESL → WGSL), gpu::SceneKernel
 //!                                │
 //!                                ▼
 //!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}

@@ -1,21 +1,22 @@
 //! Host structs and constants against the shaders': every member's name, offset and size, by naga's reflection.
 
-use direkt::gpu::layout::{self, Dispatch, Frame, PixelState};
+use direkt::gpu::layout::{self, Dispatch, Frame, PixelState, SampleRecord};
 use direkt::gpu::shader::{Config, link_with};
 use std::mem::offset_of;
 
 /// A module that keeps all shared structs and constants alive.
 fn reflected() -> naga::Module {
     let names: Vec<&str> = layout::SHARED_CONSTANTS.iter().map(|c| c.name).collect();
-    let mut source = String::from("import package::types::{Frame, Dispatch, PixelState};\n");
+    let mut source = String::from("import package::types::{Frame, Dispatch, PixelState, SampleRecord};\n");
     for c in layout::SHARED_CONSTANTS {
         source += &format!("import package::{}::{};\n", c.module, c.name);
     }
     source += "@group(0) @binding(0) var<storage, read_write> frame: Frame;\n\
                @group(0) @binding(1) var<storage, read_write> work: Dispatch;\n\
                @group(0) @binding(2) var<storage, read_write> state: PixelState;\n\
+               @group(0) @binding(3) var<storage, read_write> record: SampleRecord;\n\
                @compute @workgroup_size(1) fn main() {\n\
-               frame.width = work.first_tile + state.samples;\n";
+               frame.width = work.first_tile + state.samples + record.shadow;\n";
     source += &format!("frame.height = {};\n}}\n", names.join(" + "));
     let wgsl = link_with("test_layout", Some(&source), [], Config { stack_depth: 4 }).unwrap();
     naga::front::wgsl::parse_str(&wgsl).unwrap()
@@ -107,6 +108,20 @@ fn structs_have_the_same_members() {
         first_nan,
         first_infinite,
     });
+    let record = members!(SampleRecord {
+        radiance,
+        shadow,
+        by_light,
+        camera_primitive,
+        by_bsdf,
+        bsdf_primitive,
+    });
+    check(
+        &module,
+        "SampleRecord",
+        size_of::<SampleRecord>(),
+        &record,
+    );
     check(&module, "Frame", size_of::<Frame>(), &frame);
     check(&module, "Dispatch", size_of::<Dispatch>(), &dispatch);
     check(&module, "PixelState", size_of::<PixelState>(), &state);

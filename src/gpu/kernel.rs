@@ -8,14 +8,50 @@ use super::shader::{self, Config};
 use crate::effects::{Effect, Effects};
 use crate::error::GpuError;
 
-/// The direct-lighting kernel (`shaders/kernel/direct.wesl`), specialised to a set of effects.
+/// A kernel over a scene: a pipeline and the layouts of its bind groups. Group 0 holds the frame, a region's pixels and
+/// what changes per dispatch, group 1 the scene, group 2 whatever else the kernel reads and writes.
 #[derive(Debug)]
-pub struct DirectKernel {
+pub struct SceneKernel {
     pipeline: wgpu::ComputePipeline,
     pass_layout: wgpu::BindGroupLayout,
     scene_layout: wgpu::BindGroupLayout,
+    own_layout: Option<wgpu::BindGroupLayout>,
+    label: &'static str,
     wgsl: String,
 }
+
+/// Which kernel to link.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry<'a> {
+    /// Prefix of the labels, and name of the entry point.
+    pub name: &'static str,
+    /// Module of the entry point, `kernel::direct`.
+    pub module: &'a str,
+    /// Text of that module, where it is not one of `shaders/` (test kernels).
+    pub source: Option<&'a str>,
+    /// WESL features beside those of the effects.
+    pub features: &'a [&'static str],
+    /// Bindings of group 2.
+    pub own: &'a [wgpu::BindingType],
+}
+
+/// The direct-lighting kernel, `shaders/kernel/direct.wesl`.
+pub const DIRECT: Entry<'static> = Entry {
+    name: "direct",
+    module: "kernel::direct",
+    source: None,
+    features: &[],
+    own: &[],
+};
+
+/// The kernel that writes out single samples, `shaders/kernel/record.wesl`.
+pub const RECORD: Entry<'static> = Entry {
+    name: "record",
+    module: "kernel::record",
+    source: None,
+    features: &["RECORD"],
+    own: &[READ_WRITE],
+};
 
 /// Bind group 0: the frame, a region's pixels, and what changes per dispatch.
 #[derive(Debug)]
@@ -25,12 +61,18 @@ pub struct RegionBindings(wgpu::BindGroup);
 #[derive(Debug)]
 pub struct SceneBindings(wgpu::BindGroup);
 
-const READ: wgpu::BindingType = wgpu::BindingType::Buffer {
+/// Bind group 2: what only this kernel has.
+#[derive(Debug)]
+pub struct OwnBindings(wgpu::BindGroup);
+
+/// A storage buffer that is read.
+pub const READ: wgpu::BindingType = wgpu::BindingType::Buffer {
     ty: wgpu::BufferBindingType::Storage { read_only: true },
     has_dynamic_offset: false,
     min_binding_size: None,
 };
-const READ_WRITE: wgpu::BindingType = wgpu::BindingType::Buffer {
+/// A storage buffer that is written.
+pub const READ_WRITE: wgpu::BindingType = wgpu::BindingType::Buffer {
     ty: wgpu::BufferBindingType::Storage { read_only: false },
     has_dynamic_offset: false,
     min_binding_size: None,
@@ -88,53 +130,63 @@ fn bind(
     })
 }
 
-impl DirectKernel {
-    /// Links and compiles the kernel.
+impl SceneKernel {
+    /// Links and compiles `entry` for `effects`.
     ///
     /// # Errors
     /// The shader does not link, or the driver refuses it.
-    pub fn new(context: &Context, effects: &Effects, config: Config) -> Result<Self, GpuError> {
-        let entry = "kernel::direct";
-        let wgsl = shader::link(entry, effects.features(), config)?;
+    pub fn new(
+        context: &Context,
+        entry: &Entry<'_>,
+        effects: &Effects,
+        config: Config,
+    ) -> Result<Self, GpuError> {
+        let further = entry.features.iter().map(|f| (*f, true));
+        let features = effects.features().chain(further);
+        let wgsl = shader::link_with(entry.module, entry.source, features, config)?;
         let device = &context.device;
-        let pass_layout = layout(
-            device,
-            "direct.pass",
-            &[UNIFORM, UNIFORM, READ_WRITE, READ_WRITE],
-        );
+        let name = entry.name;
+        let pass_types = [UNIFORM, UNIFORM, READ_WRITE, READ_WRITE];
+        let pass_layout = layout(device, &format!("{name}.pass"), &pass_types);
         let mut scene_types = vec![READ; 5];
         if effects.contains(Effect::EnvironmentMap) {
             scene_types.extend([READ, TEXELS]);
         }
-        let scene_layout = layout(device, "direct.scene", &scene_types);
+        let scene_layout = layout(device, &format!("{name}.scene"), &scene_types);
+        let own_layout =
+            (!entry.own.is_empty()).then(|| layout(device, &format!("{name}.own"), entry.own));
+        let mut groups = vec![Some(&pass_layout), Some(&scene_layout)];
+        groups.extend(own_layout.as_ref().map(Some));
         let pipeline = context
             .checked(|| {
                 let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                    label: Some("direct"),
+                    label: Some(name),
                     source: wgpu::ShaderSource::Wgsl(wgsl.as_str().into()),
                 });
                 let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                    label: Some("direct"),
-                    bind_group_layouts: &[Some(&pass_layout), Some(&scene_layout)],
+                    label: Some(name),
+                    bind_group_layouts: &groups,
                     immediate_size: 0,
                 });
                 device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                    label: Some("direct.sample"),
+                    label: Some(name),
                     layout: Some(&layout),
                     module: &module,
-                    entry_point: Some("direct"),
+                    entry_point: Some(name),
                     compilation_options: Default::default(),
                     cache: None,
                 })
             })
             .map_err(|e| GpuError::Shader {
-                entry: entry.to_owned(),
+                entry: entry.module.to_owned(),
                 message: e.to_string(),
             })?;
         Ok(Self {
             pipeline,
             pass_layout,
             scene_layout,
+            own_layout,
+            label: name,
             wgsl,
         })
     }
@@ -159,7 +211,7 @@ impl DirectKernel {
             pixels.binding(),
             unfinished.binding(),
         ];
-        RegionBindings(bind(device, "direct.pass", &self.pass_layout, resources))
+        RegionBindings(bind(device, self.label, &self.pass_layout, resources))
     }
 
     /// Binds the scene.
@@ -175,24 +227,42 @@ impl DirectKernel {
             resources.push(environment.alias.binding());
             resources.push(wgpu::BindingResource::TextureView(&environment.texels));
         }
-        SceneBindings(bind(device, "direct.scene", &self.scene_layout, resources))
+        SceneBindings(bind(device, self.label, &self.scene_layout, resources))
     }
 
-    /// Records one dispatch of `tiles` workgroups.
+    /// Binds group 2.
+    ///
+    /// # Panics
+    /// The kernel has none.
+    pub fn bind_own(
+        &self,
+        device: &wgpu::Device,
+        resources: Vec<wgpu::BindingResource<'_>>,
+    ) -> OwnBindings {
+        let layout = self.own_layout.as_ref();
+        let layout = layout.expect("only kernels with bindings of their own bind them");
+        OwnBindings(bind(device, self.label, layout, resources))
+    }
+
+    /// Records one dispatch of `workgroups` workgroups.
     pub fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         region: &RegionBindings,
         scene: &SceneBindings,
-        tiles: u32,
+        own: Option<&OwnBindings>,
+        workgroups: u32,
     ) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("direct.sample"),
+            label: Some(self.label),
             timestamp_writes: None,
         });
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &region.0, &[]);
         pass.set_bind_group(1, &scene.0, &[]);
-        pass.dispatch_workgroups(tiles, 1, 1);
+        if let Some(own) = own {
+            pass.set_bind_group(2, &own.0, &[]);
+        }
+        pass.dispatch_workgroups(workgroups, 1, 1);
     }
 }

@@ -92,6 +92,24 @@ pub struct PixelState {
     pub first_infinite: u32,
 }
 
+/// `SampleRecord` of `shaders/types.wesl`: what one sample found and what its rays met.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SampleRecord {
+    /// Radiance of the sample.
+    pub radiance: [f32; 3],
+    /// How the shadow ray ended: `SHADOW_…`.
+    pub shadow: u32,
+    /// The part of the radiance that light sampling found.
+    pub by_light: [f32; 3],
+    /// Primitive that the camera ray met, or [`NONE`].
+    pub camera_primitive: u32,
+    /// The part that BSDF sampling found.
+    pub by_bsdf: [f32; 3],
+    /// Primitive that the BSDF-sampled ray met, [`NONE`], or [`NOT_TRACED`].
+    pub bsdf_primitive: u32,
+}
+
 /// Most samples that are accumulated in f32 before the host merges them in f64.
 pub const BLOCK_SAMPLES: u32 = 256;
 /// Pixels per side of a tile; a tile is a workgroup.
@@ -161,4 +179,12 @@ shared! {
     "scene::fetch" LIGHT_ENVIRONMENT = 7;
     /// Set in a light's head where its back emits as well.
     "scene::fetch" TWO_SIDED_BIT = 8;
+    /// No shadow ray was traced.
+    "kernel::sample_record" SHADOW_NOT_TRACED = 0;
+    /// The shadow ray met nothing.
+    "kernel::sample_record" SHADOW_CLEAR = 1;
+    /// The shadow ray met something.
+    "kernel::sample_record" SHADOW_BLOCKED = 2;
+    /// The BSDF-sampled ray was not traced.
+    "kernel::sample_record" NOT_TRACED = 0xffff_fffe;
 }

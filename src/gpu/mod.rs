@@ -6,10 +6,12 @@ pub mod doctor;
 pub mod environment;
 pub mod kernel;
 pub mod layout;
+pub mod program;
+pub mod recorder;
 pub mod scene_buffers;
 pub mod shader;
 
 pub use buffer::GpuBuffer;
 pub use context::{AdapterFacts, Context};
-pub use kernel::DirectKernel;
+pub use kernel::SceneKernel;
 pub use scene_buffers::SceneBuffers;

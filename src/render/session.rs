@@ -8,13 +8,13 @@
 use super::film::Film;
 use super::prepare::Prepared;
 use crate::error::GpuError;
-use crate::gpu::kernel::{RegionBindings, SceneBindings};
+use crate::gpu::kernel::{DIRECT, RegionBindings, SceneBindings, SceneKernel};
 use crate::gpu::layout::{
     BLOCK_SAMPLES, Dispatch, Frame, PixelState, TILE, TILE_PIXELS, lane_pixel,
 };
 use crate::gpu::scene_buffers::{self, SceneBuffers};
 use crate::gpu::shader::Config;
-use crate::gpu::{Context, DirectKernel, GpuBuffer};
+use crate::gpu::{Context, GpuBuffer};
 use crate::scene::FilmSize;
 use std::time::{Duration, Instant};
 
@@ -72,7 +72,7 @@ struct Region {
 #[derive(Debug)]
 pub struct Session<'a> {
     context: &'a Context,
-    kernel: DirectKernel,
+    kernel: SceneKernel,
     scene: SceneBindings,
     dispatch: GpuBuffer<Dispatch>,
     unfinished: GpuBuffer<u32>,
@@ -107,7 +107,7 @@ impl<'a> Session<'a> {
         let config = Config {
             stack_depth: prepared.stack_depth(),
         };
-        let kernel = DirectKernel::new(context, &prepared.effects, config)?;
+        let kernel = SceneKernel::new(context, &DIRECT, &prepared.effects, config)?;
         let device = &context.device;
         let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let frame: GpuBuffer<Frame> = GpuBuffer::zeroed(device, "direct.frame", 1, uniform);
@@ -267,7 +267,7 @@ impl<'a> Session<'a> {
             let mut encoder = context.device.create_command_encoder(&Default::default());
             encoder.clear_buffer(self.unfinished.raw(), 0, None);
             self.kernel
-                .encode(&mut encoder, &region.bindings, &self.scene, count);
+                .encode(&mut encoder, &region.bindings, &self.scene, None, count);
             encoder.copy_buffer_to_buffer(
                 self.unfinished.raw(),
                 0,

@@ -55,14 +55,10 @@ pub enum BsdfRay {
 pub struct Path {
     /// What the camera ray met.
     pub camera: Option<u32>,
-    /// Whether that was its front.
-    pub camera_front: bool,
     /// The shadow ray.
     pub shadow: Shadow,
     /// The BSDF-sampled ray.
     pub bsdf: BsdfRay,
-    /// Whether it met the front.
-    pub bsdf_front: bool,
 }
 
 /// One sample of a pixel.
@@ -152,7 +148,6 @@ impl<'a> Direct<'a> {
         };
         let s = surface_at(&self.world, &ray, &hit, -ray.direction);
         sample.path.camera = Some(hit.primitive);
-        sample.path.camera_front = s.front;
         if let Some(light) = s.light {
             sample.radiance += emitted_radiance(&self.world, light, s.front);
         }
@@ -272,7 +267,6 @@ impl<'a> Direct<'a> {
         };
         path.bsdf = BsdfRay::Hit(hit.primitive);
         let y = surface_at(world, ray, &hit, -ray.direction);
-        path.bsdf_front = y.front;
         let Some(light) = y.light else {
             return dark;
         };
