@@ -7,7 +7,8 @@ use std::mem::offset_of;
 /// A module that keeps all shared structs and constants alive.
 fn reflected() -> naga::Module {
     let names: Vec<&str> = layout::SHARED_CONSTANTS.iter().map(|c| c.name).collect();
-    let mut source = String::from("import package::types::{Frame, Dispatch, PixelState, SampleRecord};\n");
+    let mut source =
+        String::from("import package::types::{Frame, Dispatch, PixelState, SampleRecord};\n");
     for c in layout::SHARED_CONSTANTS {
         source += &format!("import package::{}::{};\n", c.module, c.name);
     }
@@ -116,12 +117,7 @@ fn structs_have_the_same_members() {
         by_bsdf,
         bsdf_primitive,
     });
-    check(
-        &module,
-        "SampleRecord",
-        size_of::<SampleRecord>(),
-        &record,
-    );
+    check(&module, "SampleRecord", size_of::<SampleRecord>(), &record);
     check(&module, "Frame", size_of::<Frame>(), &frame);
     check(&module, "Dispatch", size_of::<Dispatch>(), &dispatch);
     check(&module, "PixelState", size_of::<PixelState>(), &state);

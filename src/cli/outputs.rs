@@ -1,7 +1,7 @@
 //! The files that a render writes.
 
 use crate::error::Error;
-use crate::image::{ToneMapper, exr, png};
+use crate::image::{ToneMapper, exr, extension, png};
 use crate::render::Film;
 use std::path::{Path, PathBuf};
 
@@ -75,11 +75,6 @@ impl OutputArguments {
         }
         Ok(())
     }
-}
-
-fn extension(path: &Path) -> String {
-    let extension = path.extension().and_then(|e| e.to_str());
-    extension.unwrap_or_default().to_lowercase()
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {

@@ -42,9 +42,7 @@ impl<'a> Recorder<'a> {
         let read = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         context.checked(|| {
             let records = GpuBuffer::zeroed(device, "record.records", count, storage);
-            let own = program
-                .kernel()
-                .bind_own(device, vec![records.binding()]);
+            let own = program.kernel().bind_own(device, vec![records.binding()]);
             Self {
                 staging: GpuBuffer::zeroed(device, "record.staging", count, read),
                 records,

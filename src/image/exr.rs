@@ -4,6 +4,7 @@
 use super::write_atomically;
 use crate::error::Error;
 use crate::render::Film;
+use crate::scene::FilmSize;
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, ImageAttributes, Layer,
     LayerAttributes, Text, WritableImage,
@@ -18,13 +19,9 @@ use std::path::Path;
 /// # Errors
 /// The file cannot be written.
 pub fn write(path: &Path, film: &Film, attributes: &[(&str, String)]) -> Result<(), Error> {
-    let fail = |e: ::exr::error::Error| Error::Write {
-        path: path.to_path_buf(),
-        source: std::io::Error::other(e),
-    };
     let channel = |name: &str, value: &(dyn Fn(usize) -> f32 + Sync)| {
         let values: Vec<f32> = (0..film.pixels.len()).into_par_iter().map(value).collect();
-        AnyChannel::new(name, FlatSamples::F32(values))
+        (name.to_owned(), values)
     };
     let mut channels = Vec::new();
     for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
@@ -36,7 +33,27 @@ pub fn write(path: &Path, film: &Film, attributes: &[(&str, String)]) -> Result<
         }));
     }
     channels.push(channel("samples", &|i| film.pixels[i].samples as f32));
-    let size = (film.size.width as usize, film.size.height as usize);
+    write_channels(path, film.size, channels, attributes)
+}
+
+/// Writes named channels of 32-bit floats, row by row, with `attributes` (name, text).
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_channels(
+    path: &Path,
+    size: FilmSize,
+    channels: Vec<(String, Vec<f32>)>,
+    attributes: &[(&str, String)],
+) -> Result<(), Error> {
+    let fail = |e: ::exr::error::Error| Error::Write {
+        path: path.to_path_buf(),
+        source: std::io::Error::other(e),
+    };
+    let channels = channels
+        .into_iter()
+        .map(|(name, values)| AnyChannel::new(name.as_str(), FlatSamples::F32(values)));
+    let size = (size.width as usize, size.height as usize);
     let mut layer = LayerAttributes {
         software_name: Some(Text::from(concat!("direkt ", env!("CARGO_PKG_VERSION")))),
         ..LayerAttributes::default()
@@ -51,7 +68,7 @@ pub fn write(path: &Path, film: &Film, attributes: &[(&str, String)]) -> Result<
         size,
         layer,
         Encoding::FAST_LOSSLESS,
-        AnyChannels::sort(channels.into_iter().collect()),
+        AnyChannels::sort(channels.collect()),
     );
     let mut bytes = std::io::Cursor::new(Vec::new());
     Image::empty(ImageAttributes::with_size(size))

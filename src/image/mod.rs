@@ -2,6 +2,7 @@
 
 pub mod exr;
 pub mod png;
+pub mod signed;
 pub mod tone;
 
 use crate::error::Error;
@@ -9,6 +10,12 @@ use std::io::Write;
 use std::path::Path;
 
 pub use tone::ToneMapper;
+
+/// A file name's extension in lower case; empty where there is none.
+pub fn extension(path: &Path) -> String {
+    let extension = path.extension().and_then(|e| e.to_str());
+    extension.unwrap_or_default().to_lowercase()
+}
 
 /// Writes a file under a temporary name in the same folder and renames it: a reader sees the old file or the whole
 /// new one, and a failure leaves the old one as it was.

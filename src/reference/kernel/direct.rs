@@ -61,6 +61,33 @@ pub struct Path {
     pub bsdf: BsdfRay,
 }
 
+/// What makes a sample sensitive to rounding: cosines near zero and narrow lobes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conditions {
+    /// Cosine at the surface of the direction chosen by light sampling.
+    pub light_cos_surface: f64,
+    /// Cosine there at the light.
+    pub light_cos_light: f64,
+    /// Cosine at the surface of the direction chosen by BSDF sampling.
+    pub bsdf_cos_surface: f64,
+    /// Cosine at the light that it met.
+    pub bsdf_cos_light: f64,
+    /// GGX width of the surface.
+    pub alpha: Option<f64>,
+}
+
+impl Default for Conditions {
+    fn default() -> Self {
+        Self {
+            light_cos_surface: 1.0,
+            light_cos_light: 1.0,
+            bsdf_cos_surface: 1.0,
+            bsdf_cos_light: 1.0,
+            alpha: None,
+        }
+    }
+}
+
 /// One sample of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample {
@@ -72,6 +99,8 @@ pub struct Sample {
     pub by_bsdf: DVec3,
     /// What its rays met.
     pub path: Path,
+    /// How sensitive it is to rounding.
+    pub conditions: Conditions,
 }
 
 /// The estimator in f64, with the renderer's random numbers.
@@ -154,13 +183,14 @@ impl<'a> Direct<'a> {
         let id = self.id(x, y, index);
         let light_words = random_group(id, GROUP_LIGHT);
         let direction_words = random_group(id, GROUP_DIRECTION);
+        sample.conditions.alpha = s.material.specular.map(|lobe| lobe.alpha);
         if self.sample_lights {
             sample.by_light =
-                self.estimate_by_light(&s, light_words, direction_words[2], &mut sample.path);
+                self.estimate_by_light(&s, light_words, direction_words[2], &mut sample);
         }
         if self.sample_bsdf {
             sample.by_bsdf =
-                self.estimate_by_bsdf(&s, light_words[3], direction_words, &mut sample.path);
+                self.estimate_by_bsdf(&s, light_words[3], direction_words, &mut sample);
         }
         sample.radiance += sample.by_light + sample.by_bsdf;
         sample
@@ -196,12 +226,14 @@ impl<'a> Direct<'a> {
         s: &Surface,
         words: [u32; 4],
         texel: u32,
-        path: &mut Path,
+        sample: &mut Sample,
     ) -> DVec3 {
         let Some(light) = self.sample_light(s, words, texel) else {
             return DVec3::ZERO;
         };
         let wi = to_local(&s.frame, light.wi);
+        sample.conditions.light_cos_surface = wi.z;
+        sample.conditions.light_cos_light = light.cos_light;
         let f = eval_bsdf(&s.material, wi, s.wo);
         let f_cos = BrokenTwin::f_cos(self.broken, f.f_cos, wi.z);
         let mut contribution = f_cos * light.radiance_over_pdf;
@@ -218,21 +250,28 @@ impl<'a> Direct<'a> {
             direction: light.target_point - s.origin,
         };
         if any_hit(&self.world, &ray, 1.0) {
-            path.shadow = Shadow::Blocked;
+            sample.path.shadow = Shadow::Blocked;
             return DVec3::ZERO;
         }
-        path.shadow = Shadow::Clear;
+        sample.path.shadow = Shadow::Clear;
         contribution
     }
 
     /// L_i f_r cosθ / p(ω_i), where ω_i is chosen in proportion to the BSDF.
-    fn estimate_by_bsdf(&self, s: &Surface, lobe: u32, words: [u32; 4], path: &mut Path) -> DVec3 {
+    fn estimate_by_bsdf(
+        &self,
+        s: &Surface,
+        lobe: u32,
+        words: [u32; 4],
+        sample: &mut Sample,
+    ) -> DVec3 {
         let u = to_unit_2d(words[0], words[1]);
         let chosen = sample_bsdf(&s.material, s.wo, to_unit(lobe), u);
         if chosen.weight.max_element() <= 0.0 {
             return DVec3::ZERO;
         }
         let wi = BrokenTwin::direction(self.broken, chosen.wi);
+        sample.conditions.bsdf_cos_surface = wi.z;
         let one = BrokenTwin::density(self.broken, PdfSolidAngle(1.0));
         let weight = BrokenTwin::f_cos(self.broken, chosen.weight, wi.z) / one.0;
         let pdf_bsdf = BrokenTwin::density(self.broken, chosen.pdf);
@@ -240,7 +279,7 @@ impl<'a> Direct<'a> {
             origin: s.origin,
             direction: to_world(&s.frame, wi),
         };
-        let (radiance, pdf_light) = self.light_in_direction(&ray, path);
+        let (radiance, pdf_light) = self.light_in_direction(&ray, sample);
         let mut contribution = radiance * weight;
         if self.sample_lights {
             let pdf_light = BrokenTwin::density(self.broken, pdf_light);
@@ -251,11 +290,11 @@ impl<'a> Direct<'a> {
     }
 
     /// Radiance along `ray`, and the density with which light sampling would have chosen its direction.
-    fn light_in_direction(&self, ray: &Ray, path: &mut Path) -> (DVec3, PdfSolidAngle) {
+    fn light_in_direction(&self, ray: &Ray, sample: &mut Sample) -> (DVec3, PdfSolidAngle) {
         let world = &self.world;
         let dark = (DVec3::ZERO, PdfSolidAngle(0.0));
         let Some(hit) = closest_hit(world, ray) else {
-            path.bsdf = BsdfRay::Missed;
+            sample.path.bsdf = BsdfRay::Missed;
             if world.prepared.scene.environment.is_none() {
                 return dark;
             }
@@ -265,11 +304,12 @@ impl<'a> Direct<'a> {
                 BrokenTwin::measure(self.broken, choice, on_image, pdf),
             );
         };
-        path.bsdf = BsdfRay::Hit(hit.primitive);
+        sample.path.bsdf = BsdfRay::Hit(hit.primitive);
         let y = surface_at(world, ray, &hit, -ray.direction);
         let Some(light) = y.light else {
             return dark;
         };
+        sample.conditions.bsdf_cos_light = y.wo.z;
         let (choice, on_light) = pdf_light_area(world, light);
         let pdf = pdf_area_light(world, light, hit.t * hit.t, y.wo.z);
         (

@@ -41,6 +41,8 @@ pub struct LightSample {
     /// Density with which the point was chosen on its light, or on the unit square of the environment's image, without
     /// light selection; none for lights that have neither.
     pub pdf_on_light: Option<PdfArea>,
+    /// Cosine at the light; 1 where it has no surface.
+    pub cos_light: f64,
     /// Whether only light sampling can reach the light.
     pub delta: bool,
 }
@@ -52,6 +54,7 @@ fn no_light() -> LightSample {
         radiance_over_pdf: DVec3::ZERO,
         pdf: PdfSolidAngle(0.0),
         pdf_on_light: None,
+        cos_light: 1.0,
         delta: false,
     }
 }
@@ -137,6 +140,7 @@ fn area_light_sample(
         radiance_over_pdf: radiance * cos_light / (d2 * point.pdf.0 * choice.0),
         pdf: chosen(choice, area_to_solid_angle(point.pdf, d2, cos_light)),
         pdf_on_light: Some(point.pdf),
+        cos_light,
         delta: false,
     }
 }
@@ -154,6 +158,7 @@ fn delta_light_sample(light: &Light, choice: PdfDiscrete, x: DVec3) -> LightSamp
             radiance_over_pdf: intensity(wi) / (d.length_squared() * choice.0),
             pdf: PdfSolidAngle(0.0),
             pdf_on_light: None,
+            cos_light: 1.0,
             delta: true,
         }
     };
@@ -181,6 +186,7 @@ fn delta_light_sample(light: &Light, choice: PdfDiscrete, x: DVec3) -> LightSamp
             radiance_over_pdf: irradiance / choice.0,
             pdf: PdfSolidAngle(0.0),
             pdf_on_light: None,
+            cos_light: 1.0,
             delta: true,
         },
     }
@@ -363,6 +369,7 @@ pub fn sample_environment(
         radiance_over_pdf: environment_radiance(world, direction) / pdf.0.max(1e-30),
         pdf,
         pdf_on_light: on_image,
+        cos_light: 1.0,
         delta: false,
     }
 }

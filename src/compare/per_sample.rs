@@ -1,0 +1,230 @@
+//! The same random numbers through GPU and twin: every sample must be the same, up to f32's rounding.
+//!
+//! A sample's *difference* is that of its radiance, per channel relative to the sample or to its pixel's mean,
+//! whichever is larger. Beside a sample's own size stands the pixel's mean because rounding moves the point that a
+//! camera ray meets by about 2⁻²³ of the scene: a sample whose cosine at the light is 10⁻⁵ then has a relative error of
+//! 10⁻² in f32, however it is computed, and adds next to nothing to its pixel. How the differences are distributed
+//! relative to the sample alone is reported as well.
+
+use super::per_pixel::Accumulator as Means;
+use super::{cause, flip, radiance};
+use crate::gpu::layout::SampleRecord;
+use crate::reference::{Sample, Twin};
+use crate::scene::FilmSize;
+use glam::DVec3;
+use serde::Serialize;
+
+/// Most that a sample may differ.
+pub const TOLERANCE: f64 = 1e-3;
+/// Largest fraction of samples that may differ by more than [`TOLERANCE`]: narrow lobes and grazing angles amplify
+/// rounding without a bound.
+pub const MAX_BEYOND: f64 = 1e-3;
+/// Largest fraction of samples whose rays may meet something else on the GPU: those that pass an edge within rounding.
+pub const MAX_FLIPS: f64 = 1e-4;
+/// Differences relative to the sample alone below this are counted, not kept.
+const SUSPECT: f64 = 1e-5;
+/// Decades of the histogram: 10⁻⁸ and less, …, 10⁻¹ and more.
+const DECADES: usize = 8;
+
+/// Which ray met something else.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Flip {
+    /// The camera ray.
+    Camera,
+    /// The shadow ray.
+    Shadow,
+    /// The BSDF-sampled ray.
+    Bsdf,
+}
+
+/// Samples whose rays met something else.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct Flips {
+    /// Camera rays.
+    pub camera: u64,
+    /// Shadow rays.
+    pub shadow: u64,
+    /// BSDF-sampled rays.
+    pub bsdf: u64,
+}
+
+/// A sample that differs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WorstSample {
+    /// Column of its pixel.
+    pub x: u32,
+    /// Row of its pixel.
+    pub y: u32,
+    /// Its index.
+    pub sample: u64,
+    /// By how much.
+    pub difference: f64,
+    /// Radiance on the GPU.
+    pub gpu: [f64; 3],
+    /// Radiance of the twin.
+    pub reference: [f64; 3],
+    /// Why.
+    pub cause: String,
+}
+
+/// How samples compare.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PerSample {
+    /// Samples compared.
+    pub samples: u64,
+    /// Those whose rays met something else.
+    pub flips: Flips,
+    /// Their fraction.
+    pub flip_rate: f64,
+    /// Among the others, the fraction that differs by at most 10⁻⁴.
+    pub within_1e_4: f64,
+    /// By at most 10⁻³.
+    pub within_1e_3: f64,
+    /// Fractions of differences relative to the sample alone: exactly 0 first, then by decade, from below 10⁻⁸ to
+    /// 10⁻¹ and more.
+    pub histogram: Vec<f64>,
+    /// GPU samples that were not finite.
+    pub not_finite: u64,
+    /// The sample that differs most.
+    pub worst: Option<WorstSample>,
+    /// A sample whose rays met something else, the one with the largest difference.
+    pub worst_flip: Option<WorstSample>,
+}
+
+impl PerSample {
+    /// Whether they agree.
+    pub fn agrees(&self) -> bool {
+        self.not_finite == 0
+            && self.flip_rate <= MAX_FLIPS
+            && 1.0 - self.within_1e_3 <= MAX_BEYOND
+    }
+}
+
+/// A sample that has to be looked at again when its pixel's mean is known.
+#[derive(Debug, Clone, Copy)]
+struct Suspect {
+    pixel: u32,
+    index: u64,
+    gpu: DVec3,
+    twin: DVec3,
+    flip: bool,
+}
+
+/// Counts while samples come.
+#[derive(Debug)]
+pub struct Accumulator {
+    film: FilmSize,
+    samples: u64,
+    flips: Flips,
+    histogram: [u64; DECADES + 2],
+    not_finite: u64,
+    suspects: Vec<Suspect>,
+}
+
+impl Accumulator {
+    /// Nothing counted yet.
+    pub fn new(film: FilmSize) -> Self {
+        Self {
+            film,
+            samples: 0,
+            flips: Flips::default(),
+            histogram: [0; DECADES + 2],
+            not_finite: 0,
+            suspects: Vec::new(),
+        }
+    }
+
+    /// Adds sample `index` of every pixel.
+    pub fn add(&mut self, index: u64, gpu: &[SampleRecord], twin: &[Sample]) {
+        for (pixel, (record, sample)) in gpu.iter().zip(twin).enumerate() {
+            self.samples += 1;
+            let suspect = Suspect {
+                pixel: pixel as u32,
+                index,
+                gpu: radiance(record),
+                twin: sample.radiance,
+                flip: false,
+            };
+            if !suspect.gpu.is_finite() {
+                self.not_finite += 1;
+                continue;
+            }
+            if let Some(flip) = flip(record, sample) {
+                match flip {
+                    Flip::Camera => self.flips.camera += 1,
+                    Flip::Shadow => self.flips.shadow += 1,
+                    Flip::Bsdf => self.flips.bsdf += 1,
+                }
+                self.suspects.push(Suspect {
+                    flip: true,
+                    ..suspect
+                });
+                continue;
+            }
+            let alone = difference(suspect.gpu, suspect.twin, DVec3::ZERO);
+            self.histogram[decade(alone)] += 1;
+            if alone > SUSPECT {
+                self.suspects.push(suspect);
+            }
+        }
+    }
+
+    /// The result; `means` tells the pixels' means.
+    pub fn finish(self, twin: &Twin<'_>, means: &Means) -> PerSample {
+        let scale = means.pixels();
+        let differs = |s: &Suspect| {
+            let p = &scale[s.pixel as usize];
+            difference(s.gpu, s.twin, p.gpu.max(p.reference))
+        };
+        let flips = self.flips.camera + self.flips.shadow + self.flips.bsdf;
+        let kept = (self.samples - flips - self.not_finite).max(1) as f64;
+        let same_rays = || self.suspects.iter().filter(|s| !s.flip);
+        let within = |bound: f64| {
+            1.0 - same_rays().filter(|s| differs(s) > bound).count() as f64 / kept
+        };
+        let worst = |flip: bool| {
+            let worst = self
+                .suspects
+                .iter()
+                .filter(|s| s.flip == flip)
+                .max_by(|a, b| differs(a).total_cmp(&differs(b)))?;
+            let (x, y) = (worst.pixel % self.film.width, worst.pixel / self.film.width);
+            let sample = twin.direct().sample_radiance(x, y, worst.index);
+            Some(WorstSample {
+                x,
+                y,
+                sample: worst.index,
+                difference: differs(worst),
+                gpu: worst.gpu.to_array(),
+                reference: worst.twin.to_array(),
+                cause: cause::cause(&sample, worst.flip),
+            })
+        };
+        PerSample {
+            samples: self.samples,
+            flips: self.flips,
+            flip_rate: flips as f64 / self.samples.max(1) as f64,
+            within_1e_4: within(1e-4),
+            within_1e_3: within(TOLERANCE),
+            histogram: self.histogram.map(|n| n as f64 / kept).to_vec(),
+            not_finite: self.not_finite,
+            worst: worst(false),
+            worst_flip: worst(true),
+        }
+    }
+}
+
+/// Largest difference of a channel relative to the largest of `a`, `b` and `scale` in that channel.
+fn difference(a: DVec3, b: DVec3, scale: DVec3) -> f64 {
+    let scale = a.abs().max(b.abs()).max(scale).max(DVec3::splat(f64::MIN_POSITIVE));
+    ((a - b).abs() / scale).max_element()
+}
+
+fn decade(difference: f64) -> usize {
+    if difference <= 0.0 {
+        return 0;
+    }
+    let decade = difference.log10().floor() + DECADES as f64 + 2.0;
+    decade.clamp(1.0, DECADES as f64 + 1.0) as usize
+}
