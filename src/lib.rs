@@ -60,7 +60,8 @@
 //!   [`effects::called_for`], and the code under `@if(FEATURE)`. `tests/permutations.rs` links it alone.
 //! - **a light**: a variant of [`scene::Light`] or an emitting shape, its power and normalised form in [`emitters`],
 //!   its record in [`gpu::scene_buffers`] and `shaders/scene/fetch.wesl`, `sample_`/`pdf_` functions in
-//!   `shaders/light/`, its case in `shaders/light/light.wesl`, its effect, and a one-pixel test with an exact value.
+//!   `shaders/light/`, its case in `shaders/light/light.wesl`, its effect, and a scene in `scenes/tests/` with an exact
+//!   value.
 //! - **a BSDF**: a variant of [`scene::Bsdf`]; if it is not a case of the existing lobes, its `sample_`, `pdf_` and
 //!   `eval_` in `shaders/bsdf/` and its place in `shaders/bsdf/bsdf.wesl`.
 //!

@@ -1,5 +1,7 @@
 //! The commands, as a user runs them.
 
+mod check;
+
 use assert_cmd::Command;
 use serde_json::Value;
 use std::path::Path;
@@ -334,6 +336,7 @@ fn the_schema_is_json_and_knows_the_tables() {
         "lights",
         "environment",
         "render",
+        "expect",
     ] {
         assert!(schema["properties"][table].is_object(), "{table}");
     }

@@ -9,7 +9,12 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct OutputArguments {
     /// Image to write: .exr (radiance, samples, standard error) or .png (tone-mapped); may be repeated
-    #[arg(short, long = "output", value_name = "FILE", required = true)]
+    #[arg(
+        short,
+        long = "output",
+        value_name = "FILE",
+        required_unless_present = "check"
+    )]
     pub output: Vec<PathBuf>,
     /// Exposure of the PNG in stops
     #[arg(

@@ -1,11 +1,12 @@
 //! `direkt render`: a scene file in, images out.
 
+use super::check::{CheckArgument, print_verdict};
 use super::outputs::OutputArguments;
 use super::progress::Progress;
 use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
-use crate::render::{Film, ImageError, Ledger, Prepared, RayCounts, Session, StopReason};
+use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, StopReason};
 use crate::scene::load::{LoadOptions, load};
 use crate::scene::{FilmSize, LightSelection, Scene, Strategy, validate};
 use serde::Serialize;
@@ -22,6 +23,8 @@ pub struct Arguments {
     scene: PathBuf,
     #[command(flatten)]
     outputs: OutputArguments,
+    #[command(flatten)]
+    check: CheckArgument,
     #[command(flatten)]
     settings: SettingsArguments,
     /// Further folder in which files that the scene names are looked up; may be repeated
@@ -91,7 +94,11 @@ impl SettingsArguments {
         render.seed = self.seed.unwrap_or(render.seed);
         render.strategy = self.strategy.unwrap_or(render.strategy);
         render.light_selection = self.light_selection.unwrap_or(render.light_selection);
-        scene.film = self.size.unwrap_or(scene.film);
+        if let Some(size) = self.size.filter(|&size| size != scene.film) {
+            scene.film = size;
+            // What it says holds for the film of the file.
+            scene.expect = None;
+        }
         if render.spp == 0 {
             return Err(Error::Usage(
                 "--spp 0: at least 1 sample per pixel is needed".into(),
@@ -131,6 +138,7 @@ struct Report {
     seed: u32,
     image_mean: [f64; 3],
     image_mean_standard_error: Option<[f64; 3]>,
+    check: Option<Check>,
     warnings: Vec<String>,
 }
 
@@ -158,6 +166,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     let mut scene = load(&arguments.scene, &options)?;
     arguments.settings.apply(&mut scene)?;
+    arguments.check.before(&scene)?;
     let load_seconds = start.elapsed().as_secs_f64();
     for warning in &scene.warnings {
         eprintln!("direkt: warning: {}: {warning}", arguments.scene.display());
@@ -189,8 +198,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         render: progressed.seconds,
         total: start.elapsed().as_secs_f64(),
     };
-    let report = report(&prepared, &context, &film, rays, &progressed, seconds);
-    finish(arguments, &film, &report, quiet)
+    let mut report = report(&prepared, &context, &film, rays, &progressed, seconds);
+    arguments.outputs.write(&film, &attributes(&report))?;
+    report.check = arguments.check.compare(&prepared.scene, &film)?;
+    finish(arguments, &report, quiet)
 }
 
 /// How the passes went.
@@ -259,17 +270,12 @@ fn report(
         seed: settings.seed,
         image_mean: film.mean(),
         image_mean_standard_error: film.standard_error_of_mean(),
+        check: None,
         warnings: prepared.scene.warnings.clone(),
     }
 }
 
-fn finish(
-    arguments: &Arguments,
-    film: &Film,
-    report: &Report,
-    quiet: bool,
-) -> Result<ExitCode, Error> {
-    arguments.outputs.write(film, &attributes(report))?;
+fn finish(arguments: &Arguments, report: &Report, quiet: bool) -> Result<ExitCode, Error> {
     arguments.json.write(report)?;
     if !quiet {
         eprintln!("{}", summary(arguments, report));
@@ -277,7 +283,13 @@ fn finish(
     if report.non_finite.dropped > 0 {
         eprintln!("direkt: warning: {}", ledger_sentence(&report.non_finite));
     }
-    Ok(ExitCode::SUCCESS)
+    let Some(check) = &report.check else {
+        return Ok(ExitCode::SUCCESS);
+    };
+    if !arguments.json.is_stdout() {
+        print_verdict(check)?;
+    }
+    Ok(ExitCode::from(u8::from(!check.passed)))
 }
 
 fn effect_reports(prepared: &Prepared) -> Vec<EffectReport> {
@@ -322,12 +334,10 @@ fn attributes(report: &Report) -> Vec<(&'static str, String)> {
 }
 
 fn summary(arguments: &Arguments, report: &Report) -> String {
-    let files: Vec<String> = arguments
-        .outputs
-        .output
-        .iter()
-        .map(|p| p.display().to_string())
-        .collect();
+    let files: Vec<String> = match arguments.outputs.output.as_slice() {
+        [] => vec![report.scene.clone()],
+        files => files.iter().map(|p| p.display().to_string()).collect(),
+    };
     let error = report.error.map_or_else(
         || "error unknown".to_owned(),
         |e| {

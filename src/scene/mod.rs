@@ -5,6 +5,7 @@
 
 pub mod alias_table;
 pub mod camera;
+pub mod expect;
 pub mod ids;
 pub mod light;
 pub mod load;
@@ -15,6 +16,7 @@ pub mod shape;
 pub mod validate;
 
 pub use camera::{Camera, FilmSize};
+pub use expect::{Expect, ExpectedRadiance};
 pub use ids::{MaterialId, ShapeId};
 pub use light::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
 pub use material::{Bsdf, Material};
@@ -40,6 +42,8 @@ pub struct Scene {
     pub environment: Option<Environment>,
     /// How to render, unless a flag says otherwise.
     pub render: RenderSettings,
+    /// What the image must be, where that is known.
+    pub expect: Option<Expect>,
     /// What the file asks for and direkt does not do, or what was dropped: one sentence each.
     pub warnings: Vec<String>,
 }

@@ -3,8 +3,8 @@
 //! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind may rely on it.
 
 use super::{
-    Bsdf, Camera, Emission, Environment, EnvironmentRadiance, FilmSize, Geometry, Light, Material,
-    Mesh, Scene, Shape,
+    Bsdf, Camera, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize,
+    Geometry, Light, Material, Mesh, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
@@ -33,6 +33,9 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
         check.environment(environment)?;
     }
     check.settings(scene)?;
+    if let Some(expect) = &scene.expect {
+        check.expect(expect, scene.film)?;
+    }
     Ok(())
 }
 
@@ -290,6 +293,37 @@ impl Check<'_> {
             || "render.time".to_owned(),
             || format!("is {time}"),
             "seconds, above 0",
+        )
+    }
+
+    fn expect(&self, expect: &Expect, film: FilmSize) -> Outcome {
+        match &expect.radiance {
+            ExpectedRadiance::Mean(mean) => self.power(*mean, || "expect.radiance".to_owned())?,
+            ExpectedRadiance::Pixels(pixels) => {
+                self.require(
+                    pixels.len() == film.pixels(),
+                    || "expect.pixels".to_owned(),
+                    || format!("has {} values", pixels.len()),
+                    "as many as the film has pixels",
+                )?;
+                for (i, &pixel) in pixels.iter().enumerate() {
+                    let (x, y) = (i % film.width as usize, i / film.width as usize);
+                    self.power(pixel, || format!("expect.pixels[{y}][{x}]"))?;
+                }
+            }
+        }
+        let tolerance = expect.tolerance;
+        self.require(
+            (0.0..1.0).contains(&tolerance),
+            || "expect.tolerance".to_owned(),
+            || format!("is {tolerance}"),
+            "a relative difference from 0 to below 1",
+        )?;
+        self.require(
+            !expect.source.trim().is_empty(),
+            || "expect.source".to_owned(),
+            || "is empty".to_owned(),
+            "where the value comes from: a formula, a paper, a book",
         )
     }
 }

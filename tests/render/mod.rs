@@ -4,3 +4,4 @@ mod invariance;
 mod ledger;
 mod one_pixel;
 mod strategies;
+mod test_scenes;

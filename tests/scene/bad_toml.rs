@@ -328,3 +328,46 @@ fn files_that_a_scene_names() {
         "{message}"
     );
 }
+
+#[test]
+fn expectations() {
+    let of = |text: &str| {
+        refused(&format!(
+            "[film]\nwidth = 2\nheight = 1\n[expect]\n{text}\n"
+        ))
+    };
+    let with_source = |text: &str| of(&format!("source = \"book\"\n{text}"));
+    says(of("radiance = 1"), "expect: missing key `source` (line 4)");
+    says(
+        of("radiance = 1\nsource = \" \""),
+        "expect.source: is empty; expected where the value comes from: a formula, a paper, a book",
+    );
+    says(
+        with_source(""),
+        "expect: the image is given twice or not at all; expected `radiance` (its mean) or `pixels`",
+    );
+    says(
+        with_source("radiance = nan"),
+        "expect.radiance: is nan (line 6); expected a finite number",
+    );
+    says(
+        with_source("radiance = [1, -2, 3]"),
+        "expect.radiance: is [1, -2, 3]; expected finite numbers, not negative",
+    );
+    says(
+        with_source("radiance = 1\ntolerance = -0.1"),
+        "expect.tolerance: is -0.1; expected a relative difference from 0 to below 1",
+    );
+    says(
+        with_source("pixels = [[1, 2], [3, 4]]"),
+        "expect.pixels: has 2 rows; expected 1, the film's height",
+    );
+    says(
+        with_source("pixels = [[1, 2, 3]]"),
+        "expect.pixels[0]: has 3 values; expected 2, the film's width",
+    );
+    says(
+        with_source("pixels = [[1, -2]]"),
+        "expect.pixels[0][1]: is [-2, -2, -2]; expected finite numbers, not negative",
+    );
+}

@@ -2,7 +2,7 @@
 
 use super::files::{Folder, load_toml};
 use direkt::scene::load::{LoadOptions, schema};
-use direkt::scene::{Bsdf, EnvironmentRadiance, Geometry, Light, Scene};
+use direkt::scene::{Bsdf, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Scene};
 use glam::DVec3;
 
 const CAMERA: &str = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nfov = 40\n";
@@ -124,6 +124,32 @@ fn cameras_by_matrix_and_by_points_are_the_same() {
         .expect("a straight-down view is fine")
         .camera;
     assert!(near(down.forward, DVec3::NEG_Y) && (down.up.length() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn expectations_are_a_mean_or_pixels_row_by_row() {
+    let scene = scene(
+        r#"
+        [film]
+        width = 2
+        height = 2
+        [expect]
+        pixels = [[1, [1, 2, 3]], [0, 0.5]]
+        source = "made up"
+        "#,
+    );
+    let expect = scene.expect.expect("there is a table");
+    let rows = [[1.0; 3], [1.0, 2.0, 3.0], [0.0; 3], [0.5; 3]];
+    assert_eq!(
+        expect.radiance,
+        ExpectedRadiance::Pixels(rows.map(DVec3::from_array).to_vec())
+    );
+    assert_eq!((expect.source.as_str(), expect.tolerance), ("made up", 0.0));
+    let mean = load_toml("[expect]\nradiance = 2\nsource = \"book\"\ntolerance = 1e-4\n");
+    let mean = mean.expect("the scene is valid").expect;
+    let mean = mean.expect("there is a table");
+    assert_eq!(mean.radiance, ExpectedRadiance::Mean(DVec3::splat(2.0)));
+    assert_eq!(mean.tolerance, 1e-4);
 }
 
 #[test]
@@ -350,6 +376,7 @@ fn the_schema_describes_every_table() {
         "lights",
         "environment",
         "render",
+        "expect",
     ] {
         let property = &schema["properties"][key];
         assert!(property["description"].is_string(), "{key}: {property}");

@@ -126,6 +126,7 @@ pub fn floor_pixel() -> Scene {
             spp: 16,
             ..RenderSettings::default()
         },
+        expect: None,
         warnings: vec![],
     }
 }

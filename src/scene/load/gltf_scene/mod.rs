@@ -51,6 +51,7 @@ pub(super) fn load_scene(path: &Path, folders: &Folders) -> Result<Scene, InputE
         lights: imported.lights,
         environment: None,
         render: RenderSettings::default(),
+        expect: None,
         warnings: imported.warnings,
     })
 }

@@ -2,7 +2,7 @@
 
 use super::format::{CameraTable, FilmTable, GltfTable, MaterialKind, MaterialTable, SceneFile};
 use super::format_shapes::TransformStep;
-use super::{lights, shapes};
+use super::{expect, lights, shapes};
 use crate::error::InputError;
 use crate::scene::load::files::{self, Folders};
 use crate::scene::load::{frame, gltf_scene, transform};
@@ -65,6 +65,10 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         context.warnings.append(&mut part.warnings);
         camera = camera.or(part.camera);
     }
+    let expect = file
+        .expect
+        .map(|e| expect::expect(&context, e, film))
+        .transpose()?;
     let camera = camera.unwrap_or_else(|| {
         context.warnings.push(
             "the scene has no camera: one that looks along −z and frames the geometry is used"
@@ -81,6 +85,7 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         lights,
         environment,
         render: file.render,
+        expect,
         warnings: context.warnings,
     })
 }

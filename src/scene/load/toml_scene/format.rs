@@ -38,6 +38,8 @@ pub(super) struct SceneFile {
     /// How to render; every setting also has a flag.
     #[serde(default)]
     pub(super) render: RenderSettings,
+    /// What the image must be, for `direkt render --check`.
+    pub(super) expect: Option<ExpectTable>,
 }
 
 /// A pinhole camera: `eye` and `target`, or `matrix`.
@@ -248,4 +250,19 @@ pub(super) struct EnvironmentTable {
     /// Factor on the radiance.
     #[serde(default = "one")]
     pub(super) scale: f64,
+}
+
+/// The exact image: `radiance` or `pixels`.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ExpectTable {
+    /// Mean radiance of the image, not negative.
+    pub(super) radiance: Option<Rgb>,
+    /// Radiance of every pixel, row by row from the top, not negative.
+    pub(super) pixels: Option<Vec<Vec<Rgb>>>,
+    /// Where the value comes from: a formula, a paper, a book.
+    pub(super) source: String,
+    /// Relative allowance for the rounding of a published value, from 0 to below 1.
+    #[serde(default)]
+    pub(super) tolerance: f64,
 }

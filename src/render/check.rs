@@ -1,0 +1,287 @@
+//! Compares a film with the exact image that its scene states.
+//!
+//! A value v (one channel of a pixel, or of the image's mean) with standard error s agrees with the exact value e when
+//!
+//! ```text
+//!     |v − e| ≤ z·s + (2e-5 + tolerance)·e
+//! ```
+//!
+//! where z bounds the family-wise false alarm over all values, and 2e-5 is what f32 loses in positions and in the
+//! offsets of rays. No sample is negative: where e = 0, v has to be 0. Where nothing that varies was sampled, s is 0:
+//! an estimator that never meets the light fails. No sample may have been dropped.
+
+use super::film::Film;
+use crate::error::Error;
+use crate::scene::{Expect, ExpectedRadiance};
+
+/// Samples per pixel below which the estimated standard error is not worth a check.
+pub const MIN_SAMPLES: u64 = 64;
+
+/// Relative difference that rounding in f32 explains.
+const ROUNDING: f64 = 2e-5;
+
+/// Probability that a right image fails.
+const FALSE_ALARM: f64 = 1e-4;
+
+/// The bound in standard errors below which no value fails, however few are compared: a standard error is itself an
+/// estimate, and samples are not normal.
+const MIN_SIGMAS: f64 = 4.5;
+
+/// How a film compares with what its scene expects.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Check {
+    /// Whether every value agrees and no sample was dropped.
+    pub passed: bool,
+    /// Number of values compared.
+    pub values: usize,
+    /// The bound, in standard errors.
+    pub bound_sigma: f64,
+    /// The largest difference beyond rounding and tolerance, in standard errors; infinite (null in JSON) where a value
+    /// that does not vary is off.
+    pub worst_sigma: f64,
+    /// Samples that were not finite.
+    pub dropped: u64,
+    /// The values that do not agree.
+    pub failures: Vec<Failure>,
+    /// Where the expected values come from.
+    pub source: String,
+}
+
+/// A value that is not what it must be.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Failure {
+    /// Column and row of the pixel; none for the mean of the image.
+    pub pixel: Option<[u32; 2]>,
+    /// 0 red, 1 green, 2 blue.
+    pub channel: usize,
+    /// What the render found.
+    pub found: f64,
+    /// What it must be.
+    pub expected: f64,
+    /// Standard error of `found`.
+    pub standard_error: f64,
+    /// The largest difference that would have been accepted.
+    pub bound: f64,
+}
+
+impl Check {
+    /// Compares `film` with `expect`.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] when a pixel has fewer than [`MIN_SAMPLES`] samples.
+    ///
+    /// # Panics
+    /// When `expect` is about a film of another size, which a validated scene excludes.
+    pub fn new(film: &Film, expect: &Expect) -> Result<Self, Error> {
+        let fewest = film.sample_range().0;
+        // Where samples were dropped, the check fails in any case.
+        if film.ledger.dropped == 0 {
+            require_samples(fewest)?;
+        }
+        let values = values(film, &expect.radiance);
+        let bound_sigma = bound_sigma(values.len());
+        let allowance = ROUNDING + expect.tolerance;
+        let mut worst_sigma: f64 = 0.0;
+        let mut failures = Vec::new();
+        for mut value in values.iter().copied() {
+            let allowed = allowance * value.expected;
+            let difference = (value.found - value.expected).abs();
+            let sigma = if value.expected > 0.0 {
+                value.standard_error
+            } else {
+                0.0
+            };
+            if difference > allowed {
+                worst_sigma = worst_sigma.max((difference - allowed) / sigma);
+            }
+            value.bound = bound_sigma * sigma + allowed;
+            if difference > value.bound {
+                failures.push(value);
+            }
+        }
+        Ok(Self {
+            passed: failures.is_empty() && film.ledger.dropped == 0,
+            values: values.len(),
+            bound_sigma,
+            worst_sigma,
+            dropped: film.ledger.dropped,
+            failures,
+            source: expect.source.clone(),
+        })
+    }
+}
+
+/// Refuses `samples` per pixel when they are too few for a check.
+///
+/// # Errors
+/// [`Error::Usage`] below [`MIN_SAMPLES`].
+pub fn require_samples(samples: u64) -> Result<(), Error> {
+    if samples >= MIN_SAMPLES {
+        return Ok(());
+    }
+    Err(Error::Usage(format!(
+        "--check with {samples} samples per pixel: at least {MIN_SAMPLES} are needed, or the standard error is not known"
+    )))
+}
+
+/// The values to compare, still without bounds.
+fn values(film: &Film, expected: &ExpectedRadiance) -> Vec<Failure> {
+    let value = |pixel, found: [f64; 3], error: [f64; 3], expected: glam::DVec3| {
+        (0..3).map(move |channel| Failure {
+            pixel,
+            channel,
+            found: found[channel],
+            expected: expected[channel],
+            standard_error: error[channel],
+            bound: 0.0,
+        })
+    };
+    // Below two samples, which only dropped ones leave, nothing is known.
+    let unknown = [f64::INFINITY; 3];
+    match expected {
+        ExpectedRadiance::Mean(mean) => {
+            let error = film.standard_error_of_mean().unwrap_or(unknown);
+            value(None, film.mean(), error, *mean).collect()
+        }
+        ExpectedRadiance::Pixels(pixels) => {
+            assert_eq!(pixels.len(), film.pixels.len(), "one value per pixel");
+            let width = film.size.width;
+            let pixels = (0..).zip(film.pixels.iter().zip(pixels));
+            let values = pixels.flat_map(|(i, (pixel, &expected))| {
+                let variance = pixel.variance_of_mean().unwrap_or(unknown);
+                let place = Some([i % width, i / width]);
+                value(place, pixel.mean, variance.map(f64::sqrt), expected)
+            });
+            values.collect()
+        }
+    }
+}
+
+/// The two-sided normal bound that `values` independent values exceed with probability [`FALSE_ALARM`] (Šidák 1967),
+/// at least [`MIN_SIGMAS`].
+///
+/// A stand-in for a general quantile: it solves φ(z)/z = p instead of Φ(−z) = p. As Φ(−z) < φ(z)/z for z > 0
+/// (Gordon 1941), the bound is never too narrow; from 4.5 on it is too wide by less than 0.01.
+fn bound_sigma(values: usize) -> f64 {
+    let log_right = (-FALSE_ALARM).ln_1p() / values.max(1) as f64;
+    let tail = -0.5 * log_right.exp_m1();
+    let upper_tail = |z: f64| (-0.5 * z * z).exp() / (z * (2.0 * std::f64::consts::PI).sqrt());
+    let (mut low, mut high) = (1.0, 40.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if upper_tail(middle) > tail {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    f64::max(high, MIN_SIGMAS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::layout::PixelState;
+    use crate::scene::FilmSize;
+    use glam::DVec3;
+
+    /// Two pixels of `samples` samples each with the mean 1 and the standard error 0.01 in every channel.
+    fn film(samples: u32) -> Film {
+        let mut film = Film::new(FilmSize {
+            width: 2,
+            height: 1,
+        });
+        let m2 = 1e-4 * samples as f32 * (samples - 1) as f32;
+        for pixel in &mut film.pixels {
+            pixel.merge(&PixelState {
+                samples,
+                mean: [1.0; 3],
+                m2: [m2; 3],
+                ..PixelState::default()
+            });
+        }
+        film
+    }
+
+    fn expect(radiance: ExpectedRadiance, tolerance: f64) -> Expect {
+        Expect {
+            radiance,
+            source: "test".to_owned(),
+            tolerance,
+        }
+    }
+
+    fn mean(value: f64, tolerance: f64) -> Expect {
+        expect(ExpectedRadiance::Mean(DVec3::splat(value)), tolerance)
+    }
+
+    fn check(film: &Film, expect: &Expect) -> Check {
+        Check::new(film, expect).expect("there are enough samples")
+    }
+
+    #[test]
+    fn the_bound_is_sidaks_and_not_below_the_least() {
+        assert!((bound_sigma(1) - 4.5).abs() <= 0.0);
+        // By the inverse of Φ itself.
+        for (values, exact) in [(300, 5.103_5), (3_000_000, 6.631_0)] {
+            let bound = bound_sigma(values);
+            assert!(bound > exact && bound < exact + 0.01, "{values}: {bound}");
+        }
+    }
+
+    #[test]
+    fn the_mean_has_the_images_standard_error() {
+        // 0.01/√2 times 4.5 is 0.0318.
+        let film = film(256);
+        assert!(check(&film, &mean(1.0312, 0.0)).passed);
+        let off = check(&film, &mean(1.0325, 0.0));
+        assert!(!off.passed && off.failures.len() == 3);
+        assert_eq!((off.failures[1].pixel, off.failures[1].channel), (None, 1));
+        assert!((off.worst_sigma - 4.59).abs() < 0.01, "{}", off.worst_sigma);
+        assert!(check(&film, &mean(1.0325, 1e-3)).passed, "the tolerance");
+    }
+
+    #[test]
+    fn pixels_are_compared_one_by_one() {
+        let film = film(256);
+        let pixels = vec![DVec3::ONE, DVec3::new(1.0, 1.04, 1.05)];
+        let off = check(&film, &expect(ExpectedRadiance::Pixels(pixels), 0.0));
+        assert_eq!((off.values, off.failures.len()), (6, 1));
+        let failure = off.failures[0];
+        assert_eq!((failure.pixel, failure.channel), (Some([1, 0]), 2));
+    }
+
+    /// An estimator that never meets the light has the variance 0.
+    #[test]
+    fn a_value_that_does_not_vary_has_to_be_right() {
+        let mut film = film(256);
+        for pixel in &mut film.pixels {
+            pixel.mean = [0.0; 3];
+            pixel.m2 = [0.0; 3];
+        }
+        assert!(check(&film, &mean(0.0, 0.0)).passed);
+        let off = check(&film, &mean(1e-3, 0.0));
+        assert!(!off.passed && off.worst_sigma.is_infinite());
+    }
+
+    /// However large its standard error is: a sample that is not 0 is a leak.
+    #[test]
+    fn nothing_has_to_be_exactly_nothing() {
+        let mut film = film(256);
+        for pixel in &mut film.pixels {
+            pixel.mean = [1e-3, 0.0, 0.0];
+        }
+        let off = check(&film, &mean(0.0, 0.0));
+        assert!(!off.passed && off.worst_sigma.is_infinite());
+        assert_eq!(off.failures.len(), 1);
+    }
+
+    #[test]
+    fn dropped_and_missing_samples_do_not_pass() {
+        let mut film = film(63);
+        assert!(Check::new(&film, &mean(1.0, 0.0)).is_err());
+        film.ledger.dropped = 1;
+        let check = check(&film, &mean(1.0, 0.0));
+        assert!(!check.passed && check.failures.is_empty());
+    }
+}

@@ -1,0 +1,118 @@
+//! The scenes of `scenes/tests/`: each states its exact value, and every strategy finds it.
+
+use crate::support::{STRATEGIES, context, project, render, scene};
+use direkt::render::{Check, Film};
+use direkt::scene::{Expect, ExpectedRadiance, Light, Scene};
+
+/// Every scene of `scenes/tests/`, by name.
+fn test_scenes() -> Vec<(String, Scene)> {
+    let mut names: Vec<_> = std::fs::read_dir(project("scenes/tests"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.ends_with(".toml"))
+        .collect();
+    names.sort();
+    let load = |name: String| (name.clone(), scene(&format!("scenes/tests/{name}")));
+    names.into_iter().map(load).collect()
+}
+
+fn expected(scene: &Scene) -> &Expect {
+    scene.expect.as_ref().expect("a table [expect]")
+}
+
+fn check(film: &Film, scene: &Scene) -> Check {
+    Check::new(film, expected(scene)).unwrap()
+}
+
+#[test]
+fn test_scenes_say_what_they_prove_and_what_they_expect() {
+    let scenes = test_scenes();
+    assert!(scenes.len() >= 79, "{} scenes", scenes.len());
+    for (name, scene) in scenes {
+        let text = std::fs::read_to_string(&scene.source).unwrap();
+        assert!(text.starts_with("# Proves: "), "{name}");
+        assert!(scene.expect.is_some(), "{name} has no [expect]");
+        assert_eq!(scene.warnings, [""; 0], "{name}");
+    }
+}
+
+#[test]
+fn every_strategy_finds_the_exact_values() {
+    let context = context();
+    let mut wrong = Vec::new();
+    for (name, mut scene) in test_scenes() {
+        for strategy in STRATEGIES {
+            scene.render.strategy = strategy;
+            let film = render(&context, scene.clone());
+            let check = check(&film, &scene);
+            if !check.passed {
+                wrong.push(format!("{name}, {strategy}: {check:?}"));
+            }
+        }
+    }
+    let adapter = &context.adapter.name;
+    assert!(wrong.is_empty(), "on {adapter}:\n{}", wrong.join("\n"));
+}
+
+/// The largest relative standard error of the image's mean; `None` where a channel must be 0.
+fn relative_error(film: &Film) -> Option<f64> {
+    let (mean, error) = (film.mean(), film.standard_error_of_mean()?);
+    let of_channel = |c: usize| (mean[c] > 0.0).then(|| error[c] / mean[c]);
+    (0..3).try_fold(0.0, |worst: f64, c| Some(worst.max(of_channel(c)?)))
+}
+
+fn brighten(scene: &mut Scene, factor: f64) {
+    for emission in scene.shapes.iter_mut().filter_map(|s| s.emission.as_mut()) {
+        emission.radiance *= factor;
+    }
+    for light in &mut scene.lights {
+        match light {
+            Light::Point { intensity, .. } | Light::Spot { intensity, .. } => *intensity *= factor,
+            Light::Directional { irradiance, .. } => *irradiance *= factor,
+        }
+    }
+    if let Some(environment) = &mut scene.environment {
+        environment.scale *= factor;
+    }
+}
+
+/// The check must be able to fail: with lights 2 % too bright, it does wherever the image's own error is below 0.3 %,
+/// which is the case in two thirds of the renders (the rest are mostly scenes that must be black, and BSDF sampling of
+/// small lights).
+#[test]
+fn lights_two_percent_too_bright_are_rejected() {
+    let context = context();
+    let (mut sharp, mut rejected) = (0, 0);
+    for (name, mut scene) in test_scenes() {
+        brighten(&mut scene, 1.02);
+        for strategy in STRATEGIES {
+            scene.render.strategy = strategy;
+            let film = render(&context, scene.clone());
+            let passed = check(&film, &scene).passed;
+            rejected += usize::from(!passed);
+            if relative_error(&film).is_some_and(|error| error < 3e-3) {
+                sharp += 1;
+                assert!(!passed, "{name}, {strategy}: 2 % too bright, and it passed");
+            }
+        }
+    }
+    assert!(
+        sharp >= 150 && rejected >= 160,
+        "of 237 renders {rejected} were rejected, {sharp} of them had to be"
+    );
+}
+
+/// Scenes that must be black prove something only if a leak would be seen.
+#[test]
+fn black_scenes_are_lit_but_for_what_hides_the_light() {
+    for (name, scene) in test_scenes() {
+        let ExpectedRadiance::Mean(mean) = expected(&scene).radiance else {
+            continue;
+        };
+        let emits = scene.shapes.iter().any(|s| s.emission.is_some());
+        assert!(
+            mean.min_element() > 0.0 || emits || !scene.lights.is_empty(),
+            "{name} has no light at all"
+        );
+    }
+}
