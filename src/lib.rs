@@ -22,7 +22,8 @@
 //!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}
 //! ```
 //!
-//! One direction only: `scene ← accel ← gpu ← render ← cli`.
+//! One direction only: `scene ← accel ← gpu ← render ← cli`. [`stats`] stands beside it: it decides whether
+//! samples agree with what they should be.
 //!
 //! # A render, from code
 //!
@@ -80,3 +81,4 @@ pub mod gpu;
 pub mod image;
 pub mod render;
 pub mod scene;
+pub mod stats;
