@@ -22,8 +22,8 @@
 //!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}
 //! ```
 //!
-//! One direction only: `scene ← accel ← gpu ← render ← cli`. [`stats`] stands beside it: it decides whether
-//! samples agree with what they should be.
+//! One direction only: `scene ← accel ← gpu ← render ← cli`. Two modules stand beside it: [`stats`] decides whether
+//! samples agree with what they should be, [`reference`](mod@reference) computes what they should be; both in f64.
 //!
 //! # A render, from code
 //!
@@ -79,6 +79,7 @@ pub mod emitters;
 pub mod error;
 pub mod gpu;
 pub mod image;
+pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod stats;
