@@ -22,7 +22,8 @@
 //!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}
 //! ```
 //!
-//! One direction only: `scene ← accel ← gpu ← render ← cli`.
+//! One direction only: `scene ← accel ← gpu ← render ← cli`. Two modules stand beside it: [`stats`] decides whether
+//! samples agree with what they should be, [`reference`](mod@reference) computes what they should be; both in f64.
 //!
 //! # A render, from code
 //!
@@ -82,3 +83,4 @@ pub mod image;
 pub mod reference;
 pub mod render;
 pub mod scene;
+pub mod stats;

@@ -4,6 +4,7 @@
 //!   agree sample by sample; fed others, in the mean. It has its own hierarchy and its own ray–primitive tests, and
 //!   writes densities as the papers do.
 //! - [`broken`]: twins with one mistake each, which every check has to reject.
+//! - [`exact`]: closed forms and quadrature with an error bound.
 //!
 //! What the twin does share with the renderer is the host's part of a scene: the parsed file, the normalisation, the
 //! list of lights with their selection probabilities. Mistakes there are caught by exact values alone.
@@ -11,6 +12,7 @@
 pub mod broken;
 pub mod bsdf;
 pub mod core;
+pub mod exact;
 pub mod kernel;
 pub mod light;
 pub mod scene;

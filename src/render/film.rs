@@ -2,9 +2,10 @@
 
 use crate::gpu::layout::PixelState;
 use crate::scene::FilmSize;
+use crate::stats::moments::Moments;
 use rayon::prelude::*;
 
-/// One pixel's samples so far (Welford 1962; merging by Chan, Golub & LeVeque 1979).
+/// One pixel's samples so far: per channel the [`Moments`], which share their count.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Pixel {
     /// Number of finite samples.
@@ -18,17 +19,25 @@ pub struct Pixel {
 impl Pixel {
     /// Adds a block of samples.
     pub fn merge(&mut self, block: &PixelState) {
-        if block.samples == 0 {
-            return;
-        }
-        let (na, nb) = (self.samples as f64, f64::from(block.samples));
-        let n = na + nb;
         for c in 0..3 {
-            let delta = f64::from(block.mean[c]) - self.mean[c];
-            self.mean[c] += delta * (nb / n);
-            self.m2[c] += f64::from(block.m2[c]) + delta * delta * (na * nb / n);
+            let mut channel = self.channel(c);
+            channel.merge(&Moments {
+                count: u64::from(block.samples),
+                mean: f64::from(block.mean[c]),
+                m2: f64::from(block.m2[c]),
+            });
+            (self.mean[c], self.m2[c]) = (channel.mean, channel.m2);
         }
         self.samples += u64::from(block.samples);
+    }
+
+    /// The moments of one channel.
+    pub fn channel(&self, c: usize) -> Moments {
+        Moments {
+            count: self.samples,
+            mean: self.mean[c],
+            m2: self.m2[c],
+        }
     }
 
     /// Variance of the mean per channel; `None` below two samples.
