@@ -75,6 +75,7 @@
 
 pub mod accel;
 pub mod cli;
+pub mod compare;
 pub mod effects;
 pub mod emitters;
 pub mod error;

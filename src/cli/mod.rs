@@ -1,11 +1,13 @@
 //! The commands. Each prints facts on stdout or in files, progress and warnings on stderr.
 
 mod check;
+mod compare;
 mod doctor;
 mod explain;
 mod outputs;
 mod progress;
 mod render;
+mod settings;
 
 use crate::error::Error;
 use clap::{Parser, Subcommand};
@@ -24,6 +26,8 @@ struct Cli {
 enum Command {
     /// Render a scene progressively to .exr and .png files
     Render(render::Arguments),
+    /// Hold the GPU estimator against the reference: exit 0 when they agree, 1 when not
+    Compare(compare::Arguments),
     /// Tell which effects a scene calls for, and why
     Explain(explain::Arguments),
     /// Tell whether the adapters of this machine can be trusted
@@ -36,6 +40,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
     };

@@ -39,28 +39,7 @@ impl OutputArguments {
             )));
         }
         for path in &self.output {
-            let name = path.display();
-            if !matches!(extension(path).as_str(), "exr" | "png") {
-                return Err(Error::Usage(format!(
-                    "{name}: an image file ends in .exr or .png"
-                )));
-            }
-            if path.is_dir() {
-                return Err(Error::Usage(format!("{name} is a folder; name a file")));
-            }
-            let folder = match path.parent() {
-                Some(folder) if !folder.as_os_str().is_empty() => folder,
-                _ => Path::new("."),
-            };
-            if !folder.is_dir() {
-                return Err(Error::Usage(format!(
-                    "{name}: there is no folder {}",
-                    folder.display()
-                )));
-            }
-            if path.exists() && same_file(path, scene) {
-                return Err(Error::Usage(format!("{name} is the scene itself")));
-            }
+            check_image_path(path, scene)?;
         }
         Ok(())
     }
@@ -80,6 +59,33 @@ impl OutputArguments {
         }
         Ok(())
     }
+}
+
+/// Refuses a file that an image cannot be written to, before anything is rendered.
+pub fn check_image_path(path: &Path, scene: &Path) -> Result<(), Error> {
+    let name = path.display();
+    if !matches!(extension(path).as_str(), "exr" | "png") {
+        return Err(Error::Usage(format!(
+            "{name}: an image file ends in .exr or .png"
+        )));
+    }
+    if path.is_dir() {
+        return Err(Error::Usage(format!("{name} is a folder; name a file")));
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return Err(Error::Usage(format!(
+            "{name}: there is no folder {}",
+            folder.display()
+        )));
+    }
+    if path.exists() && same_file(path, scene) {
+        return Err(Error::Usage(format!("{name} is the scene itself")));
+    }
+    Ok(())
 }
 
 fn same_file(a: &Path, b: &Path) -> bool {

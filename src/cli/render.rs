@@ -3,12 +3,13 @@
 use super::check::{CheckArgument, print_verdict};
 use super::outputs::OutputArguments;
 use super::progress::Progress;
+use super::settings::EstimatorArguments;
 use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
 use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, StopReason};
 use crate::scene::load::{LoadOptions, load};
-use crate::scene::{FilmSize, LightSelection, Scene, Strategy, validate};
+use crate::scene::{LightSelection, Scene, Strategy};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -48,39 +49,8 @@ struct SettingsArguments {
     /// Stop after this many seconds of rendering; without --spp nothing else stops it
     #[arg(long, value_name = "SECONDS")]
     time: Option<f64>,
-    /// Seed of the random numbers
-    #[arg(long)]
-    seed: Option<u32>,
-    /// How directions are chosen
-    #[arg(long, value_enum)]
-    strategy: Option<Strategy>,
-    /// How one of several lights is chosen
-    #[arg(long, value_enum)]
-    light_selection: Option<LightSelection>,
-    /// Size of the image
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
-    size: Option<FilmSize>,
-}
-
-fn parse_size(text: &str) -> Result<FilmSize, String> {
-    let wrong = || {
-        format!(
-            "expected WIDTHxHEIGHT such as 640x480, each from 1 to {}",
-            FilmSize::MAX_SIDE
-        )
-    };
-    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
-    let side = |s: &str| {
-        let side = s
-            .parse()
-            .ok()
-            .filter(|n| (1..=FilmSize::MAX_SIDE).contains(n));
-        side.ok_or_else(wrong)
-    };
-    Ok(FilmSize {
-        width: side(width)?,
-        height: side(height)?,
-    })
+    #[command(flatten)]
+    estimator: EstimatorArguments,
 }
 
 impl SettingsArguments {
@@ -91,14 +61,6 @@ impl SettingsArguments {
             render.spp = u64::MAX;
         }
         render.spp = self.spp.unwrap_or(render.spp);
-        render.seed = self.seed.unwrap_or(render.seed);
-        render.strategy = self.strategy.unwrap_or(render.strategy);
-        render.light_selection = self.light_selection.unwrap_or(render.light_selection);
-        if let Some(size) = self.size.filter(|&size| size != scene.film) {
-            scene.film = size;
-            // What it says holds for the film of the file.
-            scene.expect = None;
-        }
         if render.spp == 0 {
             return Err(Error::Usage(
                 "--spp 0: at least 1 sample per pixel is needed".into(),
@@ -110,7 +72,7 @@ impl SettingsArguments {
                 render.time.unwrap_or_default()
             )));
         }
-        validate::validate(scene)
+        self.estimator.apply(scene)
     }
 }
 
@@ -374,23 +336,4 @@ fn ledger_sentence(ledger: &Ledger) -> String {
         first("NaN", ledger.first_nan),
         first("infinity", ledger.first_infinite),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_are_parsed_and_checked() {
-        assert_eq!(
-            parse_size("640x480"),
-            Ok(FilmSize {
-                width: 640,
-                height: 480
-            })
-        );
-        for wrong in ["640", "0x4", "4x", "-1x4", "40000x4", "4x4x4"] {
-            assert!(parse_size(wrong).is_err(), "{wrong}");
-        }
-    }
 }

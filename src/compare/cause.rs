@@ -1,36 +1,75 @@
 //! Why a sample differs, as far as its conditions tell.
 
-use crate::reference::{Sample, Shadow};
+use crate::reference::{Conditions, Sample, Shadow};
 
-/// Cosines below this lose more than three digits of f32's seven.
-const GRAZING: f64 = 1e-3;
-/// Lobes below this width do.
-const NARROW: f64 = 0.1;
+/// Differences below this need no reason: a few hundred roundings of an f32.
+const UNREMARKABLE: f64 = 1e-4;
+/// Angle by which rounding turns a direction, or the surface under a point, in the normalised scene.
+const ROUNDING: f64 = 5e-7;
+/// A mechanism that predicts less than this part of a difference does not explain it: predictions are rough.
+const ROUGH: f64 = 1e-2;
 
-/// A sentence on the likeliest cause of a difference; `flip` where rays met something else.
-pub(super) fn cause(sample: &Sample, flip: bool) -> String {
+/// A way in which rounding grows.
+struct Mechanism {
+    /// The relative difference that it can make.
+    predicted: f64,
+    /// In words.
+    sentence: String,
+}
+
+/// A sentence on the likeliest cause of `difference`; `flip` where rays met something else.
+pub(super) fn cause(sample: &Sample, difference: f64, flip: bool) -> String {
     if flip {
         return "a ray passes an edge, or starts on one, within the rounding of f32".to_owned();
     }
-    let c = &sample.conditions;
-    let by_light = sample.path.shadow == Shadow::Clear;
-    let cosines = [
-        (by_light, c.light_cos_light, "the light that was sampled is seen edge-on"),
-        (by_light, c.light_cos_surface, "the sampled light lies at the surface's horizon"),
-        (!by_light, c.bsdf_cos_light, "the light that the BSDF-sampled ray met is seen edge-on"),
-        (!by_light, c.bsdf_cos_surface, "the BSDF-sampled ray leaves along the surface"),
-    ];
-    let grazing = cosines
-        .iter()
-        .filter(|(applies, cosine, _)| *applies && cosine.abs() < GRAZING)
-        .min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    match (grazing, c.alpha) {
-        (Some((_, cosine, what)), _) => {
-            format!("{what} (cosine {cosine:.1e}), and f32 cannot resolve the angle")
-        }
-        (None, Some(alpha)) if alpha < NARROW => {
-            format!("a GGX lobe of width α = {alpha} amplifies the rounding of directions")
-        }
-        _ => "neither a grazing angle nor a narrow lobe explains it".to_owned(),
+    if difference < UNREMARKABLE {
+        return "rounding in f32".to_owned();
     }
+    let by_light = sample.path.shadow == Shadow::Clear;
+    let largest = mechanisms(&sample.conditions, by_light)
+        .into_iter()
+        .max_by(|a, b| a.predicted.total_cmp(&b.predicted))
+        .filter(|m| m.predicted > ROUGH * difference);
+    largest.map_or_else(
+        || "neither a grazing angle, nor a narrow lobe, nor a cell's edge explains it".to_owned(),
+        |m| m.sentence,
+    )
+}
+
+fn mechanisms(c: &Conditions, by_light: bool) -> Vec<Mechanism> {
+    let angle = ROUNDING + c.normal_rounding;
+    let (at_light, at_surface) = if by_light {
+        (c.light_cos_light, c.light_cos_surface)
+    } else {
+        (c.bsdf_cos_light, c.bsdf_cos_surface)
+    };
+    let mut found = vec![
+        Mechanism {
+            predicted: ROUNDING / at_light.abs(),
+            sentence: format!("the light is seen edge-on (cosine {at_light:.1e})"),
+        },
+        Mechanism {
+            predicted: angle / at_surface.abs(),
+            sentence: format!("the light lies at the surface's horizon (cosine {at_surface:.1e})"),
+        },
+    ];
+    if let Some(alpha) = c.alpha {
+        found.push(Mechanism {
+            // d ln D / dθ of GGX is largest near tanθ = α: about 2/α.
+            predicted: 2.0 * angle / alpha,
+            sentence: format!(
+                "a GGX lobe of width α = {alpha} amplifies the rounding of directions"
+            ),
+        });
+    }
+    if c.cell_margin < ROUNDING / ROUGH {
+        found.push(Mechanism {
+            predicted: 1.0,
+            sentence: format!(
+                "the direction lies {:.1e} of a cell from the edge of one in the environment's sampling grid, and its density jumps there",
+                c.cell_margin
+            ),
+        });
+    }
+    found
 }

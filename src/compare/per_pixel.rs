@@ -9,7 +9,7 @@ use super::{PixelComparison, pixel_family, radiance};
 use crate::gpu::layout::SampleRecord;
 use crate::reference::Sample;
 use crate::scene::FilmSize;
-use crate::stats::symmetric::PairSum;
+use crate::stats::pairs::PairSum;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -77,6 +77,20 @@ impl Accumulator {
                     pair.add(gpu[c] - reference.radiance[c]);
                 }
             });
+    }
+
+    /// Mean of the twin over the image.
+    pub(super) fn reference_mean(&self) -> DVec3 {
+        self.mean(PixelSums::reference_mean)
+    }
+
+    /// Mean of the GPU over the image.
+    pub(super) fn gpu_mean(&self) -> DVec3 {
+        self.mean(PixelSums::gpu_mean)
+    }
+
+    fn mean(&self, of: fn(&PixelSums) -> DVec3) -> DVec3 {
+        self.pixels.iter().map(of).sum::<DVec3>() / self.pixels.len() as f64
     }
 
     /// The pixels' means and t.

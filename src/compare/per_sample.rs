@@ -1,10 +1,10 @@
 //! The same random numbers through GPU and twin: every sample must be the same, up to f32's rounding.
 //!
-//! A sample's *difference* is that of its radiance, per channel relative to the sample or to its pixel's mean,
-//! whichever is larger. Beside a sample's own size stands the pixel's mean because rounding moves the point that a
-//! camera ray meets by about 2⁻²³ of the scene: a sample whose cosine at the light is 10⁻⁵ then has a relative error of
-//! 10⁻² in f32, however it is computed, and adds next to nothing to its pixel. How the differences are distributed
-//! relative to the sample alone is reported as well.
+//! A sample's *difference* is |GPU − twin| / √(v² + 0.01·m²) in the worst channel, with v the larger of the two and m
+//! the mean of the image over pixels and channels: the same floor under small values as that of relMSE. It is there
+//! because rounding moves the point that a camera ray meets by about 2⁻²³ of the scene: a sample whose cosine at the
+//! light is 10⁻⁵ then has a relative error of 10⁻² in f32, however it is computed, and adds next to nothing to its
+//! pixel. How differences are distributed relative to the sample alone is reported as well.
 
 use super::per_pixel::Accumulator as Means;
 use super::{cause, flip, radiance};
@@ -95,13 +95,11 @@ pub struct PerSample {
 impl PerSample {
     /// Whether they agree.
     pub fn agrees(&self) -> bool {
-        self.not_finite == 0
-            && self.flip_rate <= MAX_FLIPS
-            && 1.0 - self.within_1e_3 <= MAX_BEYOND
+        self.not_finite == 0 && self.flip_rate <= MAX_FLIPS && 1.0 - self.within_1e_3 <= MAX_BEYOND
     }
 }
 
-/// A sample that has to be looked at again when its pixel's mean is known.
+/// A sample that has to be looked at again when the image's mean is known.
 #[derive(Debug, Clone, Copy)]
 struct Suspect {
     pixel: u32,
@@ -162,7 +160,7 @@ impl Accumulator {
                 });
                 continue;
             }
-            let alone = difference(suspect.gpu, suspect.twin, DVec3::ZERO);
+            let alone = difference(suspect.gpu, suspect.twin, 0.0);
             self.histogram[decade(alone)] += 1;
             if alone > SUSPECT {
                 self.suspects.push(suspect);
@@ -170,19 +168,15 @@ impl Accumulator {
         }
     }
 
-    /// The result; `means` tells the pixels' means.
+    /// The result; `means` tells the image's mean.
     pub fn finish(self, twin: &Twin<'_>, means: &Means) -> PerSample {
-        let scale = means.pixels();
-        let differs = |s: &Suspect| {
-            let p = &scale[s.pixel as usize];
-            difference(s.gpu, s.twin, p.gpu.max(p.reference))
-        };
+        let floor = 0.1 * means.reference_mean().element_sum() / 3.0;
+        let differs = |s: &Suspect| difference(s.gpu, s.twin, floor);
         let flips = self.flips.camera + self.flips.shadow + self.flips.bsdf;
         let kept = (self.samples - flips - self.not_finite).max(1) as f64;
         let same_rays = || self.suspects.iter().filter(|s| !s.flip);
-        let within = |bound: f64| {
-            1.0 - same_rays().filter(|s| differs(s) > bound).count() as f64 / kept
-        };
+        let within =
+            |bound: f64| 1.0 - same_rays().filter(|s| differs(s) > bound).count() as f64 / kept;
         let worst = |flip: bool| {
             let worst = self
                 .suspects
@@ -198,7 +192,7 @@ impl Accumulator {
                 difference: differs(worst),
                 gpu: worst.gpu.to_array(),
                 reference: worst.twin.to_array(),
-                cause: cause::cause(&sample, worst.flip),
+                cause: cause::cause(&sample, differs(worst), worst.flip),
             })
         };
         PerSample {
@@ -215,10 +209,13 @@ impl Accumulator {
     }
 }
 
-/// Largest difference of a channel relative to the largest of `a`, `b` and `scale` in that channel.
-fn difference(a: DVec3, b: DVec3, scale: DVec3) -> f64 {
-    let scale = a.abs().max(b.abs()).max(scale).max(DVec3::splat(f64::MIN_POSITIVE));
-    ((a - b).abs() / scale).max_element()
+/// The difference of `a` and `b` in the worst channel, relative to √(v² + `floor`²).
+fn difference(a: DVec3, b: DVec3, floor: f64) -> f64 {
+    let in_channel = |c: usize| {
+        let v = a[c].abs().max(b[c].abs());
+        (a[c] - b[c]).abs() / v.hypot(floor).max(f64::MIN_POSITIVE)
+    };
+    (0..3).map(in_channel).fold(0.0, f64::max)
 }
 
 fn decade(difference: f64) -> usize {

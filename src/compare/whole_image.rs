@@ -2,8 +2,7 @@
 
 use super::IMAGE_FAMILY;
 use super::per_pixel::{Accumulator, ROUNDING};
-use crate::stats::symmetric::PairSum;
-use glam::DVec3;
+use crate::stats::pairs::PairSum;
 use serde::Serialize;
 
 /// How a channel of the image's mean compares.
@@ -37,12 +36,7 @@ pub struct WholeImage {
 impl WholeImage {
     /// Tests each channel.
     pub fn new(sums: &Accumulator) -> Self {
-        let pixels = sums.pixels.len() as f64;
-        let mean = |of: &dyn Fn(usize) -> DVec3| {
-            (0..sums.pixels.len()).map(of).sum::<DVec3>() / pixels
-        };
-        let gpu = mean(&|i| sums.pixels[i].gpu_mean());
-        let reference = mean(&|i| sums.pixels[i].reference_mean());
+        let (gpu, reference) = (sums.gpu_mean(), sums.reference_mean());
         let channels = std::array::from_fn(|c| {
             let mut all = PairSum::default();
             for pixel in &sums.pixels {

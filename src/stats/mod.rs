@@ -16,6 +16,7 @@
 pub mod chi2;
 pub mod kolmogorov;
 pub mod moments;
+pub mod pairs;
 pub mod sidak;
 pub mod symmetric;
 pub mod t_test;
@@ -27,6 +28,11 @@ use std::f64::consts::FRAC_1_SQRT_2;
 /// P(|Z| ≥ |z|) for Z of the standard normal distribution.
 fn two_sided_normal(z: f64) -> f64 {
     erfc(z.abs() * FRAC_1_SQRT_2)
+}
+
+/// P(Z ≤ z) for Z of the standard normal distribution.
+pub fn normal_below(z: f64) -> f64 {
+    0.5 * erfc(-z * FRAC_1_SQRT_2)
 }
 
 #[cfg(test)]

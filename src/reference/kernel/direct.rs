@@ -5,10 +5,12 @@
 //! estimated by light sampling, by BSDF sampling, or by both with the power heuristic.
 
 use super::camera::camera_ray;
+use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
 use crate::reference::broken::BrokenTwin;
 use crate::reference::bsdf::bsdf::{eval_bsdf, sample_bsdf};
 use crate::reference::core::frame::{to_local, to_world};
+use crate::reference::core::math::max_abs;
 use crate::reference::core::pdf::{PdfSolidAngle, power_heuristic};
 use crate::reference::core::ray::Ray;
 use crate::reference::core::rng::{to_unit, to_unit_2d};
@@ -16,8 +18,8 @@ use crate::reference::core::sampler::{
     GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, SampleId, random_group,
 };
 use crate::reference::light::light::{
-    LightSample, choose_light, emitted_radiance, environment_radiance, pdf_area_light,
-    pdf_environment, pdf_light_area, sample_chosen_light,
+    LightSample, choose_light, emitted_radiance, environment_cell_margin, environment_radiance,
+    pdf_area_light, pdf_environment, pdf_light_area, sample_chosen_light,
 };
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::surface::{Surface, surface_at};
@@ -74,6 +76,10 @@ pub struct Conditions {
     pub bsdf_cos_light: f64,
     /// GGX width of the surface.
     pub alpha: Option<f64>,
+    /// Angle by which rounding its vertices to f32 turns the surface's normal.
+    pub normal_rounding: f64,
+    /// Distance of the BSDF-sampled direction from the edge of its cell in the environment's sampling grid, in cells.
+    pub cell_margin: f64,
 }
 
 impl Default for Conditions {
@@ -84,6 +90,8 @@ impl Default for Conditions {
             bsdf_cos_surface: 1.0,
             bsdf_cos_light: 1.0,
             alpha: None,
+            normal_rounding: 0.0,
+            cell_margin: 1.0,
         }
     }
 }
@@ -183,6 +191,7 @@ impl<'a> Direct<'a> {
         let id = self.id(x, y, index);
         let light_words = random_group(id, GROUP_LIGHT);
         let direction_words = random_group(id, GROUP_DIRECTION);
+        sample.conditions.normal_rounding = self.normal_rounding(hit.primitive);
         sample.conditions.alpha = s.material.specular.map(|lobe| lobe.alpha);
         if self.sample_lights {
             sample.by_light =
@@ -194,6 +203,22 @@ impl<'a> Direct<'a> {
         }
         sample.radiance += sample.by_light + sample.by_bsdf;
         sample
+    }
+
+    /// 2⁻²⁴ of the primitive's coordinates over its shortest height.
+    fn normal_rounding(&self, primitive: u32) -> f64 {
+        match self.world.primitives[primitive as usize].geometry {
+            PrimitiveGeometry::Triangle { a, u, v }
+            | PrimitiveGeometry::Rectangle { a, u, v }
+            | PrimitiveGeometry::Disk { a, u, v } => {
+                let longest = u.length().max(v.length());
+                let height = u.cross(v).length() / longest;
+                (-24_f64).exp2() * (max_abs(a) + longest) / height
+            }
+            PrimitiveGeometry::Sphere { center, radius } => {
+                (-24_f64).exp2() * (max_abs(center) + radius) / radius
+            }
+        }
     }
 
     /// A sample of a light, with the mistakes of a broken twin.
@@ -298,6 +323,7 @@ impl<'a> Direct<'a> {
             if world.prepared.scene.environment.is_none() {
                 return dark;
             }
+            sample.conditions.cell_margin = environment_cell_margin(world, ray.direction);
             let (choice, on_image, pdf) = pdf_environment(world, ray.direction);
             return (
                 environment_radiance(world, ray.direction),

@@ -1,0 +1,326 @@
+//! `direkt compare`: the GPU estimator held against the reference.
+
+use super::outputs::check_image_path;
+use super::settings::EstimatorArguments;
+use super::{AdapterArgument, JsonArgument, print};
+use crate::compare::{
+    CompareError, Comparison, Settings, compare, default_film, minimum_samples, per_sample,
+};
+use crate::error::Error;
+use crate::gpu::{AdapterFacts, Context};
+use crate::image::signed;
+use crate::reference::BrokenTwin;
+use crate::render::Prepared;
+use crate::scene::load::{LoadOptions, load};
+use crate::scene::{FilmSize, LightSelection, Strategy};
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Arguments of `direkt compare`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The scene: .toml, .gltf or .glb
+    scene: PathBuf,
+    /// Samples per pixel
+    #[arg(long, default_value_t = 64)]
+    spp: u64,
+    #[command(flatten)]
+    estimator: EstimatorArguments,
+    /// Let the reference make a mistake, which the comparison has to find: exit 1
+    #[arg(long = "break", value_enum, value_name = "NAME")]
+    broken: Option<BrokenTwin>,
+    /// Write GPU minus reference as an image (.exr, .png); the PNG's scale is the image's mean
+    #[arg(long, value_name = "FILE")]
+    difference: Option<PathBuf>,
+    /// Write the pixels' z-scores as an image (.exr, .png); the PNG's scale is ±4
+    #[arg(long, value_name = "FILE")]
+    z_scores: Option<PathBuf>,
+    /// Further folder in which files that the scene names are looked up; may be repeated
+    #[arg(long, value_name = "DIR")]
+    assets: Vec<PathBuf>,
+    /// No progress on stderr
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    adapter: AdapterArgument,
+    #[command(flatten)]
+    json: JsonArgument,
+}
+
+/// What `--json` writes.
+#[derive(Debug, Serialize)]
+struct Report {
+    direkt: &'static str,
+    scene: String,
+    adapter: AdapterFacts,
+    width: u32,
+    height: u32,
+    spp: u64,
+    seed: u32,
+    strategy: Strategy,
+    light_selection: LightSelection,
+    broken: Option<&'static str>,
+    agrees: bool,
+    #[serde(flatten)]
+    comparison: Comparison,
+    warnings: Vec<String>,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
+    for path in arguments.difference.iter().chain(&arguments.z_scores) {
+        check_image_path(path, &arguments.scene)?;
+    }
+    let options = LoadOptions {
+        assets: arguments.assets.clone(),
+    };
+    let mut scene = load(&arguments.scene, &options)?;
+    arguments.estimator.apply(&mut scene)?;
+    for warning in &scene.warnings {
+        eprintln!("direkt: warning: {}: {warning}", arguments.scene.display());
+    }
+    let film = match arguments.estimator.size {
+        Some(size) => size,
+        None => default_film(scene.film),
+    };
+    let settings = Settings {
+        film,
+        samples: arguments.spp,
+        seed: scene.render.seed,
+        broken: arguments.broken,
+    };
+    check_samples(&settings)?;
+    let render = scene.render;
+    let prepared = Prepared::new(scene, render.strategy, render.light_selection);
+    check_broken(&prepared, arguments.broken)?;
+    let context = Context::new(arguments.adapter.adapter.as_deref())?;
+    let quiet = arguments.quiet || arguments.json.is_stdout();
+    let bar = progress_bar(settings.samples, quiet);
+    let comparison = compare(&context, &prepared, &settings, |done| {
+        bar.set_position(done);
+    })
+    .map_err(|e| match e {
+        CompareError::Unsupported(e) => Error::Usage(format!("{}: {e}", arguments.scene.display())),
+        CompareError::Gpu(e) => Error::Gpu(e),
+    })?;
+    bar.finish_and_clear();
+    let report = Report {
+        direkt: env!("CARGO_PKG_VERSION"),
+        scene: arguments.scene.display().to_string(),
+        adapter: context.adapter.clone(),
+        width: film.width,
+        height: film.height,
+        spp: settings.samples,
+        seed: settings.seed,
+        strategy: render.strategy,
+        light_selection: render.light_selection,
+        broken: arguments.broken.map(|b| b.row().name),
+        agrees: comparison.agrees(),
+        comparison,
+        warnings: prepared.scene.warnings.clone(),
+    };
+    write_images(arguments, film, &report)?;
+    arguments.json.write(&report)?;
+    if !arguments.json.is_stdout() {
+        print(&text(&report))?;
+    }
+    Ok(if report.agrees {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}
+
+/// Refuses a number of samples with which no pixel could be found to differ.
+fn check_samples(settings: &Settings) -> Result<(), Error> {
+    let FilmSize { width, height } = settings.film;
+    let fewest = minimum_samples(settings.film);
+    if settings.samples >= fewest {
+        return Ok(());
+    }
+    Err(Error::Usage(format!(
+        "--spp {}: with fewer than {fewest} samples in each of {width} × {height} pixels no pixel could be found to differ",
+        settings.samples
+    )))
+}
+
+/// Refuses a mistake in code that the scene never runs.
+fn check_broken(prepared: &Prepared, broken: Option<BrokenTwin>) -> Result<(), Error> {
+    let Some(row) = broken.map(BrokenTwin::row) else {
+        return Ok(());
+    };
+    if (row.applies)(prepared) {
+        return Ok(());
+    }
+    Err(Error::Usage(format!(
+        "--break {}: {} - but this scene with this strategy never gets there",
+        row.name, row.description
+    )))
+}
+
+fn progress_bar(samples: u64, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(samples);
+    let style = ProgressStyle::with_template("{bar:24} {percent:>3} % comparing, {eta} left");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar
+}
+
+fn write_images(arguments: &Arguments, size: FilmSize, report: &Report) -> Result<(), Error> {
+    let pixels = &report.comparison.pixels;
+    let attributes = [
+        ("scene", report.scene.clone()),
+        ("adapter", report.adapter.name.clone()),
+        ("driver", report.adapter.driver.clone()),
+        ("direkt", report.direkt.to_owned()),
+    ];
+    if let Some(path) = &arguments.difference {
+        let values: Vec<[f64; 3]> = pixels
+            .iter()
+            .map(|p| (p.gpu - p.reference).to_array())
+            .collect();
+        let means = report.comparison.whole_image.channels.map(|c| c.reference);
+        let scale = means.iter().sum::<f64>() / 3.0;
+        signed::write(
+            path,
+            size,
+            &values,
+            scale.max(f64::MIN_POSITIVE),
+            &attributes,
+        )?;
+    }
+    if let Some(path) = &arguments.z_scores {
+        let values: Vec<[f64; 3]> = pixels.iter().map(|p| p.t).collect();
+        signed::write(path, size, &values, 4.0, &attributes)?;
+    }
+    Ok(())
+}
+
+fn text(report: &Report) -> String {
+    let mut out = format!(
+        "{}, {}, {} light selection, {} × {} pixels, {} samples each, seed {}, on {} ({})\n",
+        report.scene,
+        report.strategy,
+        report.light_selection,
+        report.width,
+        report.height,
+        report.spp,
+        report.seed,
+        report.adapter.name,
+        report.adapter.driver
+    );
+    if let Some(broken) = report.broken {
+        let _ = writeln!(out, "the reference is broken on purpose: {broken}");
+    }
+    per_sample_text(&mut out, &report.comparison.per_sample);
+    means_text(&mut out, &report.comparison);
+    let verdict = if report.agrees {
+        "GPU and reference agree"
+    } else {
+        "GPU and reference DIFFER"
+    };
+    let _ = writeln!(out, "verdict      {verdict}");
+    out
+}
+
+/// `passed` or `FAILED`.
+fn mark(passed: bool) -> &'static str {
+    if passed { "passed" } else { "FAILED" }
+}
+
+// Writing into a String cannot fail.
+
+fn per_sample_text(out: &mut String, c: &per_sample::PerSample) {
+    let _ = writeln!(
+        out,
+        "per sample   {}: {} samples with the same random numbers; {:.4} % within 1e-4, {:.4} % within 1e-3 ({} % needed)",
+        mark(c.agrees()),
+        c.samples,
+        100.0 * c.within_1e_4,
+        100.0 * c.within_1e_3,
+        100.0 * (1.0 - per_sample::MAX_BEYOND),
+    );
+    let _ = writeln!(
+        out,
+        "             rays met something else in {:.1e} of them ({:.0e} allowed): {} camera, {} shadow, {} BSDF",
+        c.flip_rate,
+        per_sample::MAX_FLIPS,
+        c.flips.camera,
+        c.flips.shadow,
+        c.flips.bsdf,
+    );
+    for (what, worst) in [
+        ("worst", &c.worst),
+        ("worst with other rays", &c.worst_flip),
+    ] {
+        if let Some(w) = worst {
+            let _ = writeln!(
+                out,
+                "             {what}: pixel ({}, {}), sample {}, off by {:.1e}: GPU {:?}, reference {:?}: {}",
+                w.x, w.y, w.sample, w.difference, w.gpu, w.reference, w.cause
+            );
+        }
+    }
+    if c.not_finite > 0 {
+        let _ = writeln!(
+            out,
+            "             {} GPU samples are not finite",
+            c.not_finite
+        );
+    }
+}
+
+fn means_text(out: &mut String, c: &Comparison) {
+    let _ = writeln!(
+        out,
+        "accumulation {}: film and its samples differ by {:.1e} of a pixel's largest sample at most; {} samples dropped",
+        mark(c.accumulation.agrees()),
+        c.accumulation.largest_deviation,
+        c.accumulation.dropped,
+    );
+    let p = &c.per_pixel;
+    let worst = p.worst.map_or_else(String::new, |w| {
+        format!("; largest |z| {:.2} at pixel ({}, {})", w.t.abs(), w.x, w.y)
+    });
+    let _ = writeln!(
+        out,
+        "per pixel    {}: {} tests with other random numbers, {} rejected at the family-wise level {:.0e}{worst}",
+        mark(p.agrees()),
+        p.tests,
+        p.rejected,
+        p.family_level,
+    );
+    let _ = writeln!(
+        out,
+        "             z-scores: mean {:.3}, mean square {:.3}; {:>5} {:>7} {:>7}",
+        p.mean_t, p.mean_t_squared, "z", "found", "N(0,1)"
+    );
+    for bin in &p.histogram {
+        let bar = "#".repeat((bin.found * 100.0).round() as usize);
+        let _ = writeln!(
+            out,
+            "             {:>5.1} {:>7.4} {:>7.4} {bar}",
+            bin.t, bin.found, bin.expected
+        );
+    }
+    let _ = writeln!(
+        out,
+        "whole image  {}: GPU minus reference, 95 % interval",
+        mark(c.whole_image.agrees())
+    );
+    for (name, channel) in ["red", "green", "blue"]
+        .into_iter()
+        .zip(&c.whole_image.channels)
+    {
+        let _ = writeln!(
+            out,
+            "             {name:>5} {:+.3e} ± {:.1e} of {:.6} (z {:.2}, p ≤ {:.1e})",
+            channel.difference, channel.half_width, channel.reference, channel.t, channel.p_value
+        );
+    }
+}

@@ -1,0 +1,77 @@
+//! Flags that say which estimator is run, on which image.
+
+use crate::error::Error;
+use crate::scene::{FilmSize, LightSelection, Scene, Strategy, validate};
+
+/// Flags that override the scene's strategy, light selection, seed and size.
+#[derive(Debug, clap::Args)]
+pub struct EstimatorArguments {
+    /// Seed of the random numbers
+    #[arg(long)]
+    seed: Option<u32>,
+    /// How directions are chosen
+    #[arg(long, value_enum)]
+    strategy: Option<Strategy>,
+    /// How one of several lights is chosen
+    #[arg(long, value_enum)]
+    light_selection: Option<LightSelection>,
+    /// Size of the image
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
+    pub size: Option<FilmSize>,
+}
+
+impl EstimatorArguments {
+    /// Changes `scene` and validates it.
+    pub fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
+        let render = &mut scene.render;
+        render.seed = self.seed.unwrap_or(render.seed);
+        render.strategy = self.strategy.unwrap_or(render.strategy);
+        render.light_selection = self.light_selection.unwrap_or(render.light_selection);
+        if let Some(size) = self.size.filter(|&size| size != scene.film) {
+            scene.film = size;
+            // What it says holds for the film of the file.
+            scene.expect = None;
+        }
+        validate::validate(scene)
+    }
+}
+
+fn parse_size(text: &str) -> Result<FilmSize, String> {
+    let wrong = || {
+        format!(
+            "expected WIDTHxHEIGHT such as 640x480, each from 1 to {}",
+            FilmSize::MAX_SIDE
+        )
+    };
+    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+    let side = |s: &str| {
+        let side = s
+            .parse()
+            .ok()
+            .filter(|n| (1..=FilmSize::MAX_SIDE).contains(n));
+        side.ok_or_else(wrong)
+    };
+    Ok(FilmSize {
+        width: side(width)?,
+        height: side(height)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_parsed_and_checked() {
+        assert_eq!(
+            parse_size("640x480"),
+            Ok(FilmSize {
+                width: 640,
+                height: 480
+            })
+        );
+        for wrong in ["640", "0x4", "4x", "-1x4", "40000x4", "4x4x4"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+}
