@@ -14,4 +14,5 @@ mod layout;
 mod permutations;
 mod render;
 mod scene;
+mod shader;
 mod support;

@@ -62,13 +62,10 @@ fn mechanisms(c: &Conditions, by_light: bool) -> Vec<Mechanism> {
             ),
         });
     }
-    if c.cell_margin < ROUNDING / ROUGH {
+    if c.cell_margin < 4.0 * angle {
         found.push(Mechanism {
             predicted: 1.0,
-            sentence: format!(
-                "the direction lies {:.1e} of a cell from the edge of one in the environment's sampling grid, and its density jumps there",
-                c.cell_margin
-            ),
+            sentence: "the direction crosses the edge of a cell of the environment's sampling grid, where its density jumps".to_owned(),
         });
     }
     found

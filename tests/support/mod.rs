@@ -1,5 +1,9 @@
 //! What several tests share.
 
+pub mod histogram;
+pub mod shader;
+pub mod statistics;
+
 use direkt::gpu::Context;
 use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
@@ -154,4 +158,33 @@ pub fn assert_pixel(film: &Film, expected: f64, what: &str) {
             pixel.mean[c]
         );
     }
+}
+
+/// Points of the unit square that samplers are tested on: all pairs of 0, 2⁻²⁴, ½ ∓ 2⁻²⁴, ½, 1 − 2⁻²⁴ and a few
+/// more, and 1,000 of a lattice.
+pub fn edge_points() -> Vec<glam::DVec2> {
+    let tiny = (-24_f64).exp2();
+    let edges = [
+        0.0,
+        tiny,
+        0.25,
+        0.5 - tiny,
+        0.5,
+        0.5 + tiny,
+        0.75,
+        1.0 - tiny,
+    ];
+    let pairs = edges
+        .iter()
+        .flat_map(|x| edges.iter().map(|y| glam::DVec2::new(*x, *y)));
+    // R2 lattice (Roberts 2018), rounded to what the shaders draw.
+    let round = |x: f64| (x.fract() / tiny).floor() * tiny;
+    let lattice = (1..=1000).map(|i| {
+        let i = f64::from(i);
+        glam::DVec2::new(
+            round(0.754_877_666_246_692_8 * i),
+            round(0.569_840_290_998_053_3 * i),
+        )
+    });
+    pairs.chain(lattice).collect()
 }

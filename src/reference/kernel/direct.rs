@@ -78,7 +78,7 @@ pub struct Conditions {
     pub alpha: Option<f64>,
     /// Angle by which rounding its vertices to f32 turns the surface's normal.
     pub normal_rounding: f64,
-    /// Distance of the BSDF-sampled direction from the edge of its cell in the environment's sampling grid, in cells.
+    /// Angle between the BSDF-sampled direction and the edge of its cell in the environment's sampling grid.
     pub cell_margin: f64,
 }
 
@@ -91,7 +91,7 @@ impl Default for Conditions {
             bsdf_cos_light: 1.0,
             alpha: None,
             normal_rounding: 0.0,
-            cell_margin: 1.0,
+            cell_margin: std::f64::consts::PI,
         }
     }
 }

@@ -319,15 +319,16 @@ fn environment_cell(world: &World<'_>, direction: DVec3) -> Option<([u32; 2], Pd
     Some(([column, row], PdfDiscrete(p)))
 }
 
-/// How far `direction` is from the edge of its cell of the environment's sampling grid, in cells; 1 where there is no
-/// map.
+/// Angle between `direction` and the edge of its cell of the environment's sampling grid; π where there is no map.
 pub fn environment_cell_margin(world: &World<'_>, direction: DVec3) -> f64 {
     let Some(grid) = &world.prepared.emitters.environment else {
-        return 1.0;
+        return PI;
     };
     let image = map_from_direction(environment(world).rotation.transpose() * direction);
-    let cells = image * DVec2::new(f64::from(grid.size[0]), f64::from(grid.size[1]));
-    (cells - cells.round()).abs().min_element()
+    let cells = DVec2::new(f64::from(grid.size[0]), f64::from(grid.size[1]));
+    let margin = (image * cells - (image * cells).round()).abs() / cells;
+    let sin_polar = (PI * image.y).sin();
+    f64::min(margin.x * 2.0 * PI * sin_polar, margin.y * PI)
 }
 
 /// Density of a cell with probability `p` on the unit square of the environment's image.

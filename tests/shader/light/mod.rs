@@ -1,0 +1,3 @@
+//! One file per file of `shaders/light/`.
+
+mod disk;

@@ -1,0 +1,96 @@
+//! The family of statistical tests of the suite: no false alarm in any of them with probability 1 − 1e-4.
+//!
+//! Every test that rests on chance hands its p-value to [`accept`], and every power test, which a broken twin has to fail,
+//! to [`reject`]. When the suite ends, it prints how many there were and the smallest p-value.
+
+use direkt::stats::sidak::Family;
+use std::sync::{Mutex, Once};
+
+/// Tests that the family is declared to have; the level of each follows from it (Šidák).
+pub const DECLARED: usize = 4000;
+
+/// What has been tested so far.
+#[derive(Debug)]
+struct Ledger {
+    accepted: usize,
+    rejected: usize,
+    smallest: f64,
+    name: String,
+}
+
+static LEDGER: Mutex<Ledger> = Mutex::new(Ledger {
+    accepted: 0,
+    rejected: 0,
+    smallest: 1.0,
+    name: String::new(),
+});
+
+/// The family.
+pub fn family() -> Family {
+    Family::new(DECLARED)
+}
+
+/// Fails unless `p` is compatible with chance. `what` names function, case, adapter and seed.
+pub fn accept(p: f64, what: &str) {
+    let rejected = family().rejects(p);
+    {
+        let mut ledger = entry();
+        ledger.accepted += 1;
+        assert!(
+            ledger.accepted <= DECLARED,
+            "more than {DECLARED} statistical tests: declare a larger family"
+        );
+        if !rejected && p < ledger.smallest {
+            ledger.smallest = p;
+            ledger.name = what.to_owned();
+        }
+    }
+    assert!(
+        !rejected,
+        "{what}: p = {p:.3e}, below {:.3e}, the level of one test among {DECLARED}",
+        family().test_level()
+    );
+}
+
+/// Fails unless `p` rejects: the test's power. `what` names the broken twin as well.
+pub fn reject(p: f64, what: &str) {
+    entry().rejected += 1;
+    assert!(
+        family().rejects(p),
+        "{what}: the broken twin passes with p = {p:.3e}"
+    );
+}
+
+fn entry() -> std::sync::MutexGuard<'static, Ledger> {
+    static AT_EXIT: Once = Once::new();
+    AT_EXIT.call_once(|| {
+        // SAFETY: `summary` is an `extern "C"` function without arguments, as atexit asks, and does not unwind.
+        unsafe { atexit(summary) };
+    });
+    LEDGER
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+unsafe extern "C" {
+    /// The C library's: runs a function when the process ends. The test harness offers nothing of the kind.
+    fn atexit(function: extern "C" fn()) -> i32;
+}
+
+extern "C" fn summary() {
+    let ledger = LEDGER
+        .lock()
+        .unwrap_or_else(std::sync::PoisonError::into_inner);
+    let _ = std::io::Write::write_fmt(
+        &mut std::io::stderr(),
+        format_args!(
+            "\nstatistical tests: {} (declared {DECLARED}, family-wise level {:.0e}, each {:.2e}), smallest p-value {:.2e} ({}); broken twins rejected: {}\n",
+            ledger.accepted,
+            family().level,
+            family().test_level(),
+            ledger.smallest,
+            ledger.name,
+            ledger.rejected,
+        ),
+    );
+}
