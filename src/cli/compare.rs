@@ -32,6 +32,9 @@ pub struct Arguments {
     /// Let the reference make a mistake, which the comparison has to find: exit 1
     #[arg(long = "break", value_enum, value_name = "NAME")]
     broken: Option<BrokenTwin>,
+    /// Compare with exact direct lighting as well: scenes of polygons under polygon, point, spot and directional lights
+    #[arg(long)]
+    exact: bool,
     /// Write GPU minus reference as an image (.exr, .png); the PNG's scale is the image's mean
     #[arg(long, value_name = "FILE")]
     difference: Option<PathBuf>,
@@ -91,6 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         samples: arguments.spp,
         seed: scene.render.seed,
         broken: arguments.broken,
+        exact: arguments.exact,
     };
     check_samples(&settings)?;
     let render = scene.render;
@@ -104,6 +108,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     })
     .map_err(|e| match e {
         CompareError::Unsupported(e) => Error::Usage(format!("{}: {e}", arguments.scene.display())),
+        CompareError::NotExact(e) => {
+            Error::Usage(format!("--exact: {}: {e}", arguments.scene.display()))
+        }
         CompareError::Gpu(e) => Error::Gpu(e),
     })?;
     bar.finish_and_clear();
@@ -228,6 +235,8 @@ fn text(report: &Report) -> String {
     out
 }
 
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
 /// `passed` or `FAILED`.
 fn mark(passed: bool) -> &'static str {
     if passed { "passed" } else { "FAILED" }
@@ -322,5 +331,20 @@ fn means_text(out: &mut String, c: &Comparison) {
             "             {name:>5} {:+.3e} ± {:.1e} of {:.6} (z {:.2}, p ≤ {:.1e})",
             channel.difference, channel.half_width, channel.reference, channel.t, channel.p_value
         );
+    }
+    if let Some(exact) = &c.exact {
+        let _ = writeln!(
+            out,
+            "exact        {}: GPU minus exact over {} samples, 95 % interval",
+            mark(exact.agrees()),
+            exact.samples
+        );
+        for (name, channel) in CHANNELS.into_iter().zip(&exact.channels) {
+            let _ = writeln!(
+                out,
+                "             {name:>5} {:+.3e} ± {:.1e} of {:.6} (z {:.2}, p = {:.1e})",
+                channel.difference, channel.half_width, channel.exact, channel.z, channel.p_value
+            );
+        }
     }
 }

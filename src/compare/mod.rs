@@ -8,6 +8,7 @@
 
 pub mod accumulation;
 mod cause;
+pub mod exact;
 pub mod per_pixel;
 pub mod per_sample;
 pub mod whole_image;
@@ -16,12 +17,14 @@ use crate::error::GpuError;
 use crate::gpu::Context;
 use crate::gpu::layout::SampleRecord;
 use crate::gpu::recorder::Recorder;
+use crate::reference::exact::scene::NotExact;
 use crate::reference::{BrokenTwin, Sample, Twin, UnsupportedEffect};
 use crate::render::{Prepared, Session};
 use crate::scene::FilmSize;
 use crate::stats::sidak::{FAMILY_LEVEL, Family};
 use crate::stats::symmetric::minimum_pairs;
 use accumulation::Accumulation;
+use exact::Exact;
 use glam::DVec3;
 use per_pixel::PerPixel;
 use per_sample::PerSample;
@@ -39,6 +42,8 @@ pub struct Settings {
     pub seed: u32,
     /// The mistake that the twin makes.
     pub broken: Option<BrokenTwin>,
+    /// Whether to compare with exact answers as well.
+    pub exact: bool,
 }
 
 /// Pixels that a comparison takes unless told otherwise.
@@ -58,16 +63,19 @@ pub fn default_film(film: FilmSize) -> FilmSize {
 /// The tests of all pixels and channels.
 fn pixel_family(film: FilmSize) -> Family {
     Family {
-        level: 0.5 * FAMILY_LEVEL,
+        level: FAMILY_LEVEL / 3.0,
         tests: 3 * film.pixels(),
     }
 }
 
 /// The tests of the image's mean.
 const IMAGE_FAMILY: Family = Family {
-    level: 0.5 * FAMILY_LEVEL,
+    level: FAMILY_LEVEL / 3.0,
     tests: 3,
 };
+
+/// The tests of the samples' mean against exact answers.
+const EXACT_FAMILY: Family = IMAGE_FAMILY;
 
 /// Fewest samples per pixel with which a pixel of `film` can be found to differ.
 pub fn minimum_samples(film: FilmSize) -> u64 {
@@ -80,6 +88,9 @@ pub enum CompareError {
     /// The scene calls for an effect that the reference lacks.
     #[error(transparent)]
     Unsupported(#[from] UnsupportedEffect),
+    /// Exact answers were asked for, and the scene has none.
+    #[error(transparent)]
+    NotExact(#[from] NotExact),
     /// The GPU or its driver failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
@@ -96,6 +107,8 @@ pub struct Comparison {
     pub per_pixel: PerPixel,
     /// The image's mean.
     pub whole_image: WholeImage,
+    /// Against exact answers, where that was asked for.
+    pub exact: Option<Exact>,
     /// Per pixel the GPU's mean, the twin's, and their t per channel.
     #[serde(skip)]
     pub pixels: Vec<PixelComparison>,
@@ -119,6 +132,7 @@ impl Comparison {
             && self.accumulation.agrees()
             && self.per_pixel.agrees()
             && self.whole_image.agrees()
+            && self.exact.as_ref().is_none_or(Exact::agrees)
     }
 }
 
@@ -126,7 +140,8 @@ impl Comparison {
 /// [`Settings::samples`] are done.
 ///
 /// # Errors
-/// The reference lacks an effect of the scene, or the driver fails.
+/// The reference lacks an effect of the scene, the scene has no exact answers where they are asked for, or the driver
+/// fails.
 pub fn compare(
     context: &Context,
     prepared: &Prepared,
@@ -138,9 +153,13 @@ pub fn compare(
         samples,
         seed,
         broken,
+        exact,
     } = *settings;
     let twin = Twin::new(prepared, film, seed, broken)?;
     let other = Twin::new(prepared, film, independent(seed), broken)?;
+    let mut exact = exact
+        .then(|| exact::Accumulator::new(&twin, film.width))
+        .transpose()?;
     let recorder = Recorder::new(context, prepared, film, seed)?;
     let mut per_sample = per_sample::Accumulator::new(film);
     let mut means = per_pixel::Accumulator::new(film);
@@ -149,6 +168,9 @@ pub fn compare(
         let gpu = recorder.samples(index)?;
         per_sample.add(index, &gpu, &twin.samples(index));
         means.add(&gpu, &other.samples(index));
+        if let Some(exact) = &mut exact {
+            exact.add(index, &gpu);
+        }
         for (largest, gpu) in largest.iter_mut().zip(&gpu) {
             *largest = largest.max(radiance(gpu));
         }
@@ -164,6 +186,7 @@ pub fn compare(
         accumulation: Accumulation::new(&rendered, &means, &largest),
         per_pixel: PerPixel::new(&means),
         whole_image: WholeImage::new(&means),
+        exact: exact.map(exact::Accumulator::finish),
         pixels: means.pixels(),
     })
 }

@@ -48,15 +48,11 @@ pub const BROKEN_TWINS: &[Row] = &[
     Row {
         twin: BrokenTwin::WrongMeasure,
         name: "wrong-measure",
-        description: "densities per area of lights, or of the environment's image, are taken for densities per solid angle",
+        description: "densities per area of lights, or of the unit square behind the environment, are taken for densities per solid angle",
         applies: |p| {
             let mut lights = p.emitters.lights.iter().enumerate();
             lights.any(|(i, light)| {
-                let has_measure = match light {
-                    Emitter::Area { .. } => true,
-                    Emitter::Environment => p.emitters.environment.is_some(),
-                    Emitter::Delta(_) => false,
-                };
+                let has_measure = !matches!(light, Emitter::Delta(_));
                 has_measure && p.emitters.probability(i) > 0.0
             })
         },

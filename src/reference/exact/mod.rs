@@ -2,7 +2,7 @@
 //!
 //! Every configuration factor is F = E/(πL): the irradiance E at the receiver, over what a hemisphere of the light's
 //! radiance L would give. A Lambertian surface of reflectance ρ then shows the radiance ρ·L·F. All is in f64 and in the
-//! scene's own units; nothing here knows of the renderer.
+//! scene's own units; but for [`mod@scene`], which looks at a whole scene, nothing here knows of the renderer.
 
 mod cap;
 pub mod cubature;
@@ -16,6 +16,7 @@ pub mod occlusion;
 pub mod point;
 pub mod polygon;
 pub mod rectangle;
+pub mod scene;
 pub mod solid_angle;
 pub mod sphere;
 pub mod variance;

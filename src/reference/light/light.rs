@@ -38,8 +38,8 @@ pub struct LightSample {
     pub radiance_over_pdf: DVec3,
     /// Density with which the sample was chosen, light selection included; 0 for lights without extent.
     pub pdf: PdfSolidAngle,
-    /// Density with which the point was chosen on its light, or on the unit square of the environment's image, without
-    /// light selection; none for lights that have neither.
+    /// Density with which the point was chosen on its light, or on the unit square of the environment's directions,
+    /// without light selection; none for lights that have neither.
     pub pdf_on_light: Option<PdfArea>,
     /// Cosine at the light; 1 where it has no surface.
     pub cos_light: f64,
@@ -349,7 +349,7 @@ pub fn pdf_environment(
             Some(pdf_on_image(p, grid.size)),
             pdf_environment_cell(p, cell[1], grid.size),
         ),
-        _ => (None, PdfSolidAngle(1.0 / (4.0 * PI))),
+        _ => (Some(PdfArea(1.0)), PdfSolidAngle(1.0 / (4.0 * PI))),
     };
     (selection, on_image, chosen(selection, pdf))
 }
