@@ -1,6 +1,7 @@
 //! The commands, as a user runs them.
 
 mod check;
+mod compare;
 
 use assert_cmd::Command;
 use serde_json::Value;

@@ -9,6 +9,7 @@
 #![allow(clippy::float_cmp, reason = "tests of invariance compare bit for bit")]
 
 mod cli;
+mod compare;
 mod doctor;
 mod layout;
 mod permutations;

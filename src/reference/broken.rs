@@ -14,7 +14,7 @@ pub enum BrokenTwin {
     PdfScaled,
     /// Densities per area are taken for densities per solid angle
     WrongMeasure,
-    /// Sine and cosine of the polar angle are swapped in BSDF-sampled directions
+    /// Sine and cosine of the polar angle are swapped in a surface's local frame
     SwappedSinCos,
     /// Light selection never chooses the likeliest light, and no other light makes up for it
     LightLeftOut,
@@ -60,8 +60,8 @@ pub const BROKEN_TWINS: &[Row] = &[
     Row {
         twin: BrokenTwin::SwappedSinCos,
         name: "swapped-sin-cos",
-        description: "sine and cosine of the polar angle are swapped in BSDF-sampled directions",
-        applies: |p| p.effects.contains(Effect::SampleBsdf),
+        description: "sine and cosine of the polar angle are swapped in a surface's local frame",
+        applies: samples_anything,
     },
     Row {
         twin: BrokenTwin::LightLeftOut,
@@ -120,7 +120,7 @@ impl BrokenTwin {
         }
     }
 
-    /// A direction in the local frame.
+    /// A direction in the local frame, between the frame and the BSDF. Directions below the horizon stay there.
     pub fn direction(broken: Option<Self>, w: DVec3) -> DVec3 {
         let sin = w.truncate().length();
         match broken {

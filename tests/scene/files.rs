@@ -5,7 +5,7 @@
 use direkt::scene::Scene;
 use direkt::scene::load::{LoadOptions, load};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A temporary folder with scene files in it.
 pub struct Folder(tempfile::TempDir);
@@ -62,18 +62,6 @@ pub fn load_toml(text: &str) -> Result<Scene, String> {
 /// The message for a TOML scene that must be refused.
 pub fn refused(text: &str) -> String {
     load_toml(text).expect_err("the scene must be refused")
-}
-
-/// A file or folder of `../shared`, beside the checkout. Where it is missing this says so and gives `None`.
-pub fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared")
-        .join(name);
-    if path.exists() {
-        return Some(path);
-    }
-    eprintln!("SKIPPED: {} is missing; this test needs it", path.display());
-    None
 }
 
 /// A glTF with one triangle (0,0,0), (1,0,0), (0,1,0) as mesh 0 with indices, shown by node 0 of scene 0.

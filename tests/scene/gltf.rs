@@ -1,6 +1,7 @@
 //! glTF and GLB files: what they bring, and what they leave out with a warning.
 
-use super::files::{Folder, glb, load_gltf, shared, triangle_glb, triangle_gltf, with};
+use super::files::{Folder, glb, load_gltf, triangle_glb, triangle_gltf, with};
+use crate::support::shared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{Bsdf, Geometry, Light, Mesh, Scene};
 use glam::DVec3;

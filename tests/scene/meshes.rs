@@ -1,6 +1,7 @@
 //! PLY and OBJ files.
 
-use super::files::{Folder, shared};
+use super::files::Folder;
+use crate::support::shared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{Geometry, Mesh, Scene};
 use glam::DVec3;

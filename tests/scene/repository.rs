@@ -1,6 +1,6 @@
 //! The scenes of the repository are what their first lines say.
 
-use super::files::shared;
+use crate::support::shared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{EnvironmentRadiance, Geometry, Scene};
 use glam::DVec3;

@@ -32,6 +32,24 @@ pub fn scene(path: &str) -> Scene {
     load(&project(path), &LoadOptions::default()).unwrap()
 }
 
+/// A file or folder of `../shared`, beside the checkout. Where it is missing this says so, past the test harness, which
+/// would swallow it, and gives `None`.
+pub fn shared(name: &str) -> Option<PathBuf> {
+    use std::io::Write;
+    let path = project("../shared").join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    let test = std::thread::current().name().unwrap_or("a test").to_owned();
+    writeln!(
+        std::io::stderr(),
+        "SKIPPED: {test} needs {}, which is missing",
+        path.display()
+    )
+    .unwrap();
+    None
+}
+
 /// Every scene of `scenes/` that needs nothing from outside the project.
 pub fn own_scenes() -> Vec<(String, Scene)> {
     let mut names: Vec<_> = std::fs::read_dir(project("scenes"))

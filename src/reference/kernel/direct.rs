@@ -256,7 +256,7 @@ impl<'a> Direct<'a> {
         let Some(light) = self.sample_light(s, words, texel) else {
             return DVec3::ZERO;
         };
-        let wi = to_local(&s.frame, light.wi);
+        let wi = BrokenTwin::direction(self.broken, to_local(&s.frame, light.wi));
         sample.conditions.light_cos_surface = wi.z;
         sample.conditions.light_cos_light = light.cos_light;
         let f = eval_bsdf(&s.material, wi, s.wo);

@@ -372,7 +372,11 @@ pub fn sample_environment(
                 pdf_environment_cell(choice.probability, cell[1], grid.size),
             )
         }
-        None => (sample_sphere_area(u), None, PdfSolidAngle(1.0 / (4.0 * PI))),
+        None => (
+            sample_sphere_area(u),
+            Some(PdfArea(1.0)),
+            PdfSolidAngle(1.0 / (4.0 * PI)),
+        ),
     };
     let pdf = chosen(selection, pdf);
     LightSample {

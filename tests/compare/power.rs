@@ -1,0 +1,61 @@
+//! Every broken twin is found out, and every part of the comparison finds some.
+
+use super::compared;
+use crate::support::{STRATEGIES, own_scenes, scene};
+use direkt::compare::Comparison;
+use direkt::reference::broken::BROKEN_TWINS;
+use direkt::render::Prepared;
+use direkt::scene::{Scene, Strategy};
+
+/// By which parts of the comparison a broken twin was rejected, on how many scenes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Found {
+    tried: usize,
+    by_samples: usize,
+    by_pixels: usize,
+    by_image: usize,
+}
+
+impl Found {
+    fn add(&mut self, comparison: &Comparison) {
+        self.tried += 1;
+        self.by_samples += usize::from(!comparison.per_sample.agrees());
+        self.by_pixels += usize::from(!comparison.per_pixel.agrees());
+        self.by_image += usize::from(!comparison.whole_image.agrees());
+    }
+}
+
+/// Scenes, strategies and numbers of pixels: small images of all, and two on which 2 % are more than the noise of a
+/// mean: many pixels with narrow lobes, and a light that every sample meets.
+fn cases() -> Vec<(String, Scene, Strategy, u32)> {
+    let own = own_scenes();
+    let all = own.into_iter().flat_map(|(name, scene)| {
+        STRATEGIES.map(|strategy| (name.clone(), scene.clone(), strategy, 1 << 12))
+    });
+    let quiet = ["scenes/veach.toml", "scenes/tests/square_parallel.toml"];
+    let quiet = quiet.map(|path| (path.to_owned(), scene(path), Strategy::MisPower, 1 << 14));
+    all.chain(quiet).collect()
+}
+
+/// Samples with the same random numbers show every mistake everywhere. Means show those that are larger than their
+/// noise: each of them on some scene.
+#[test]
+fn every_broken_twin_is_rejected_on_every_scene() {
+    let mut found = vec![Found::default(); BROKEN_TWINS.len()];
+    for (name, scene, strategy, pixels) in cases() {
+        let prepared = Prepared::new(scene.clone(), strategy, scene.render.light_selection);
+        for (row, found) in BROKEN_TWINS.iter().zip(&mut found) {
+            if (row.applies)(&prepared) {
+                let broken = compared(&scene, strategy, (pixels, 64), Some(row.twin));
+                assert!(!broken.agrees(), "{name}, {strategy}: {} passes", row.name);
+                found.add(&broken);
+            }
+        }
+    }
+    for (row, found) in BROKEN_TWINS.iter().zip(&found) {
+        assert!(found.tried >= 4, "{}: {found:?}", row.name);
+        assert_eq!(found.by_samples, found.tried, "{}", row.name);
+        assert!(found.by_pixels > 0, "{}: {found:?}", row.name);
+        assert!(found.by_image > 0, "{}: {found:?}", row.name);
+    }
+}
