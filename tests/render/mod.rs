@@ -3,5 +3,6 @@
 mod invariance;
 mod ledger;
 mod one_pixel;
+mod random_polygons;
 mod strategies;
 mod test_scenes;
