@@ -58,7 +58,8 @@
 //! # How to add
 //!
 //! - **an effect**: a variant in [`effects::Effect`] with its WESL feature, the rule that calls for it in
-//!   [`effects::called_for`], and the code under `@if(FEATURE)`. `tests/permutations.rs` links it alone.
+//!   [`effects::called_for`], and the code under `@if(FEATURE)`. `tests/permutations.rs` links it alone. Its twin goes to
+//!   [`mod@reference`], and its name to [`reference::twin::SUPPORTED`]: until then scenes that call for it are not compared.
 //! - **a light**: a variant of [`scene::Light`] or an emitting shape, its power and normalised form in [`emitters`],
 //!   its record in [`gpu::scene_buffers`] and `shaders/scene/fetch.wesl`, `sample_`/`pdf_` functions in
 //!   `shaders/light/`, its case in `shaders/light/light.wesl`, its effect, and a scene in `scenes/tests/` with an exact

@@ -19,7 +19,9 @@ pub const STRATEGIES: [Strategy; 3] = [Strategy::LightArea, Strategy::Bsdf, Stra
 
 /// The adapter under test. No adapter is a failure.
 pub fn context() -> Context {
-    Context::new(None).expect("the tests need a GPU adapter: run them by ./lavapipe")
+    Context::new(None).unwrap_or_else(|e| {
+        panic!("the tests need a GPU adapter, run them by `./lavapipe cargo test --release`: {e}")
+    })
 }
 
 /// A folder or file of the project.
