@@ -4,7 +4,8 @@
 //! the mean of the image over pixels and channels: the same floor under small values as that of relMSE. It is there
 //! because rounding moves the point that a camera ray meets by about 2⁻²³ of the scene: a sample whose cosine at the
 //! light is 10⁻⁵ then has a relative error of 10⁻² in f32, however it is computed, and adds next to nothing to its
-//! pixel. How differences are distributed relative to the sample alone is reported as well.
+//! pixel. How differences are distributed relative to the sample alone is reported as well. Fractions are of the samples
+//! that carry light: black ones agree too easily.
 
 use super::per_pixel::Accumulator as Means;
 use super::{cause, flip, radiance};
@@ -77,11 +78,13 @@ pub struct PerSample {
     pub flips: Flips,
     /// Their fraction.
     pub flip_rate: f64,
-    /// Among the others, the fraction that differs by at most 10⁻⁴.
+    /// The others that are not black on both sides.
+    pub lit: u64,
+    /// Fraction of the lit samples that differ by at most 10⁻⁴.
     pub within_1e_4: f64,
     /// By at most 10⁻³.
     pub within_1e_3: f64,
-    /// Fractions of differences relative to the sample alone: exactly 0 first, then by decade, from below 10⁻⁸ to
+    /// Fractions of the lit samples' differences relative to the sample alone: exactly 0 first, then by decade, from below 10⁻⁸ to
     /// 10⁻¹ and more.
     pub histogram: Vec<f64>,
     /// GPU samples that were not finite.
@@ -116,6 +119,7 @@ pub struct Accumulator {
     samples: u64,
     flips: Flips,
     histogram: [u64; DECADES + 2],
+    lit: u64,
     not_finite: u64,
     suspects: Vec<Suspect>,
 }
@@ -128,6 +132,7 @@ impl Accumulator {
             samples: 0,
             flips: Flips::default(),
             histogram: [0; DECADES + 2],
+            lit: 0,
             not_finite: 0,
             suspects: Vec::new(),
         }
@@ -160,6 +165,10 @@ impl Accumulator {
                 });
                 continue;
             }
+            if suspect.gpu.max(suspect.twin).max_element() <= 0.0 {
+                continue;
+            }
+            self.lit += 1;
             let alone = difference(suspect.gpu, suspect.twin, 0.0);
             self.histogram[decade(alone)] += 1;
             if alone > SUSPECT {
@@ -173,10 +182,10 @@ impl Accumulator {
         let floor = 0.1 * means.reference_mean().element_sum() / 3.0;
         let differs = |s: &Suspect| difference(s.gpu, s.twin, floor);
         let flips = self.flips.camera + self.flips.shadow + self.flips.bsdf;
-        let kept = (self.samples - flips - self.not_finite).max(1) as f64;
+        let lit = self.lit.max(1) as f64;
         let same_rays = || self.suspects.iter().filter(|s| !s.flip);
         let within =
-            |bound: f64| 1.0 - same_rays().filter(|s| differs(s) > bound).count() as f64 / kept;
+            |bound: f64| 1.0 - same_rays().filter(|s| differs(s) > bound).count() as f64 / lit;
         let worst = |flip: bool| {
             let worst = self
                 .suspects
@@ -199,9 +208,10 @@ impl Accumulator {
             samples: self.samples,
             flips: self.flips,
             flip_rate: flips as f64 / self.samples.max(1) as f64,
+            lit: self.lit,
             within_1e_4: within(1e-4),
             within_1e_3: within(TOLERANCE),
-            histogram: self.histogram.map(|n| n as f64 / kept).to_vec(),
+            histogram: self.histogram.map(|n| n as f64 / lit).to_vec(),
             not_finite: self.not_finite,
             worst: worst(false),
             worst_flip: worst(true),
