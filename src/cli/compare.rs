@@ -1,7 +1,7 @@
 //! `direkt compare`: the GPU estimator held against the reference.
 
 use super::outputs::check_image_path;
-use super::settings::EstimatorArguments;
+use super::settings::{EstimatorArguments, SceneArguments};
 use super::{AdapterArgument, JsonArgument, print};
 use crate::compare::{
     CompareError, Comparison, Settings, compare, default_film, minimum_samples, per_sample,
@@ -11,7 +11,6 @@ use crate::gpu::{AdapterFacts, Context};
 use crate::image::signed;
 use crate::reference::BrokenTwin;
 use crate::render::Prepared;
-use crate::scene::load::{LoadOptions, load};
 use crate::scene::{FilmSize, LightSelection, Strategy};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -22,8 +21,8 @@ use std::process::ExitCode;
 /// Arguments of `direkt compare`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The scene: .toml, .gltf or .glb
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneArguments,
     /// Samples per pixel
     #[arg(long, default_value_t = 64)]
     spp: u64,
@@ -41,9 +40,6 @@ pub struct Arguments {
     /// Write the pixels' z-scores as an image (.exr, .png); the PNG's scale is ±4
     #[arg(long, value_name = "FILE")]
     z_scores: Option<PathBuf>,
-    /// Further folder in which files that the scene names are looked up; may be repeated
-    #[arg(long, value_name = "DIR")]
-    assets: Vec<PathBuf>,
     /// No progress on stderr
     #[arg(short, long)]
     quiet: bool,
@@ -74,62 +70,37 @@ struct Report {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
-    for path in arguments.difference.iter().chain(&arguments.z_scores) {
-        check_image_path(path, &arguments.scene)?;
-    }
-    let options = LoadOptions {
-        assets: arguments.assets.clone(),
-    };
-    let mut scene = load(&arguments.scene, &options)?;
-    arguments.estimator.apply(&mut scene)?;
-    for warning in &scene.warnings {
-        eprintln!("direkt: warning: {}: {warning}", arguments.scene.display());
-    }
-    let film = match arguments.estimator.size {
-        Some(size) => size,
-        None => default_film(scene.film),
-    };
-    let settings = Settings {
-        film,
-        samples: arguments.spp,
-        seed: scene.render.seed,
-        broken: arguments.broken,
-        exact: arguments.exact,
-    };
-    check_samples(&settings)?;
-    let render = scene.render;
-    let prepared = Prepared::new(scene, render.strategy, render.light_selection);
-    check_broken(&prepared, arguments.broken)?;
+    let (prepared, settings) = prepare(arguments)?;
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
     let quiet = arguments.quiet || arguments.json.is_stdout();
     let bar = progress_bar(settings.samples, quiet);
+    let path = arguments.scene.scene.display();
     let comparison = compare(&context, &prepared, &settings, |done| {
         bar.set_position(done);
     })
     .map_err(|e| match e {
-        CompareError::Unsupported(e) => Error::Usage(format!("{}: {e}", arguments.scene.display())),
-        CompareError::NotExact(e) => {
-            Error::Usage(format!("--exact: {}: {e}", arguments.scene.display()))
-        }
+        CompareError::Unsupported(e) => Error::Usage(format!("{path}: {e}")),
+        CompareError::NotExact(e) => Error::Usage(format!("--exact: {path}: {e}")),
         CompareError::Gpu(e) => Error::Gpu(e),
     })?;
     bar.finish_and_clear();
+    let render = prepared.scene.render;
     let report = Report {
         direkt: env!("CARGO_PKG_VERSION"),
-        scene: arguments.scene.display().to_string(),
+        scene: path.to_string(),
         adapter: context.adapter.clone(),
-        width: film.width,
-        height: film.height,
+        width: settings.film.width,
+        height: settings.film.height,
         spp: settings.samples,
         seed: settings.seed,
         strategy: render.strategy,
         light_selection: render.light_selection,
-        broken: arguments.broken.map(|b| b.row().name),
+        broken: settings.broken.map(|b| b.row().name),
         agrees: comparison.agrees(),
         comparison,
         warnings: prepared.scene.warnings.clone(),
     };
-    write_images(arguments, film, &report)?;
+    write_images(arguments, settings.film, &report)?;
     arguments.json.write(&report)?;
     if !arguments.json.is_stdout() {
         print(&text(&report))?;
@@ -139,6 +110,30 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     } else {
         ExitCode::FAILURE
     })
+}
+
+/// Reads the scene and refuses what could not be compared, before anything runs.
+fn prepare(arguments: &Arguments) -> Result<(Prepared, Settings), Error> {
+    let path = &arguments.scene.scene;
+    for image in arguments.difference.iter().chain(&arguments.z_scores) {
+        check_image_path(image, path)?;
+    }
+    let mut scene = arguments.scene.load()?;
+    arguments.estimator.apply(&mut scene)?;
+    arguments.scene.warn(&scene);
+    let size = arguments.estimator.size;
+    let settings = Settings {
+        film: size.unwrap_or_else(|| default_film(scene.film)),
+        samples: arguments.spp,
+        seed: scene.render.seed,
+        broken: arguments.broken,
+        exact: arguments.exact,
+    };
+    check_samples(&settings)?;
+    let render = scene.render;
+    let prepared = Prepared::new(scene, render.strategy, render.light_selection);
+    check_broken(&prepared, arguments.broken)?;
+    Ok((prepared, settings))
 }
 
 /// Refuses a number of samples with which no pixel could be found to differ.
@@ -235,8 +230,6 @@ fn text(report: &Report) -> String {
     out
 }
 
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
-
 /// `passed` or `FAILED`.
 fn mark(passed: bool) -> &'static str {
     if passed { "passed" } else { "FAILED" }
@@ -323,16 +316,11 @@ fn means_text(out: &mut String, c: &Comparison) {
         "whole image  {}: GPU minus reference, 95 % interval",
         mark(c.whole_image.agrees())
     );
-    for (name, channel) in ["red", "green", "blue"]
-        .into_iter()
-        .zip(&c.whole_image.channels)
-    {
-        let _ = writeln!(
-            out,
-            "             {name:>5} {:+.3e} ± {:.1e} of {:.6} (z {:.2}, p ≤ {:.1e})",
-            channel.difference, channel.half_width, channel.reference, channel.t, channel.p_value
-        );
-    }
+    let channels = c.whole_image.channels;
+    channels_text(
+        out,
+        channels.map(|c| [c.difference, c.half_width, c.reference, c.t, c.p_value]),
+    );
     if let Some(exact) = &c.exact {
         let _ = writeln!(
             out,
@@ -340,12 +328,22 @@ fn means_text(out: &mut String, c: &Comparison) {
             mark(exact.agrees()),
             exact.samples
         );
-        for (name, channel) in CHANNELS.into_iter().zip(&exact.channels) {
-            let _ = writeln!(
-                out,
-                "             {name:>5} {:+.3e} ± {:.1e} of {:.6} (z {:.2}, p = {:.1e})",
-                channel.difference, channel.half_width, channel.exact, channel.z, channel.p_value
-            );
-        }
+        let channels = exact.channels;
+        channels_text(
+            out,
+            channels.map(|c| [c.difference, c.half_width, c.exact, c.z, c.p_value]),
+        );
+    }
+}
+
+/// Per channel a line of difference, half width of its interval, reference, z and p-value.
+fn channels_text(out: &mut String, channels: [[f64; 5]; 3]) {
+    for (name, [difference, half_width, reference, z, p]) in
+        ["red", "green", "blue"].into_iter().zip(channels)
+    {
+        let _ = writeln!(
+            out,
+            "             {name:>5} {difference:+.3e} ± {half_width:.1e} of {reference:.6} (z {z:.2}, p {p:.1e})"
+        );
     }
 }

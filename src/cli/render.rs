@@ -3,15 +3,13 @@
 use super::check::{CheckArgument, print_verdict};
 use super::outputs::OutputArguments;
 use super::progress::Progress;
-use super::settings::EstimatorArguments;
+use super::settings::{EstimatorArguments, SceneArguments};
 use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
 use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, StopReason};
-use crate::scene::load::{LoadOptions, load};
 use crate::scene::{LightSelection, Scene, Strategy};
 use serde::Serialize;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,17 +18,14 @@ use std::time::{Duration, Instant};
 /// Arguments of `direkt render`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// The scene: .toml, .gltf or .glb
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneArguments,
     #[command(flatten)]
     outputs: OutputArguments,
     #[command(flatten)]
     check: CheckArgument,
     #[command(flatten)]
     settings: SettingsArguments,
-    /// Further folder in which files that the scene names are looked up; may be repeated
-    #[arg(long, value_name = "DIR")]
-    assets: Vec<PathBuf>,
     /// No progress and no summary on stderr
     #[arg(short, long)]
     quiet: bool,
@@ -122,17 +117,12 @@ struct EffectReport {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let start = Instant::now();
-    arguments.outputs.check(&arguments.scene)?;
-    let options = LoadOptions {
-        assets: arguments.assets.clone(),
-    };
-    let mut scene = load(&arguments.scene, &options)?;
+    arguments.outputs.check(&arguments.scene.scene)?;
+    let mut scene = arguments.scene.load()?;
     arguments.settings.apply(&mut scene)?;
     arguments.check.before(&scene)?;
     let load_seconds = start.elapsed().as_secs_f64();
-    for warning in &scene.warnings {
-        eprintln!("direkt: warning: {}: {warning}", arguments.scene.display());
-    }
+    arguments.scene.warn(&scene);
     let settings = scene.render;
     let film_size = scene.film;
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
@@ -142,10 +132,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let quiet = arguments.quiet || arguments.json.is_stdout();
     if !quiet {
         let (name, driver) = (&context.adapter.name, &context.adapter.driver);
-        eprintln!(
-            "rendering {} on {name} ({driver})",
-            arguments.scene.display()
-        );
+        let path = arguments.scene.scene.display();
+        eprintln!("rendering {path} on {name} ({driver})");
     }
     let progressed = take_passes(&mut session, &prepared.scene, quiet)?;
     let (film, rays) = session.snapshot()?;

@@ -1,7 +1,36 @@
-//! Flags that say which estimator is run, on which image.
+//! Arguments that several commands share: the scene, and which estimator is run on it.
 
 use crate::error::Error;
+use crate::scene::load::{LoadOptions, load};
 use crate::scene::{FilmSize, LightSelection, Scene, Strategy, validate};
+use std::path::PathBuf;
+
+/// The scene file.
+#[derive(Debug, clap::Args)]
+pub struct SceneArguments {
+    /// The scene: .toml, .gltf or .glb
+    pub scene: PathBuf,
+    /// Further folder in which files that the scene names are looked up; may be repeated
+    #[arg(long, value_name = "DIR")]
+    assets: Vec<PathBuf>,
+}
+
+impl SceneArguments {
+    /// Reads the scene.
+    pub fn load(&self) -> Result<Scene, Error> {
+        let options = LoadOptions {
+            assets: self.assets.clone(),
+        };
+        load(&self.scene, &options)
+    }
+
+    /// Says on stderr what `scene` asks for and direkt does not do.
+    pub fn warn(&self, scene: &Scene) {
+        for warning in &scene.warnings {
+            eprintln!("direkt: warning: {}: {warning}", self.scene.display());
+        }
+    }
+}
 
 /// Flags that override the scene's strategy, light selection, seed and size.
 #[derive(Debug, clap::Args)]
