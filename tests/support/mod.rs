@@ -1,6 +1,8 @@
 //! What several tests share.
 
 pub mod histogram;
+pub mod random;
+pub mod rounding;
 pub mod shader;
 pub mod statistics;
 

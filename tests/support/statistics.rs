@@ -3,7 +3,10 @@
 //! Every test that rests on chance hands its p-value to [`accept`], and every power test, which a broken twin has to fail,
 //! to [`reject`]. When the suite ends, it prints how many there were and the smallest p-value.
 
+use direkt::reference::BrokenTwin;
+use direkt::reference::broken::BROKEN_TWINS;
 use direkt::stats::sidak::Family;
+use direkt::stats::z_test::z_test;
 use std::sync::{Mutex, Once};
 
 /// Tests that the family is declared to have; the level of each follows from it (Šidák).
@@ -59,6 +62,27 @@ pub fn reject(p: f64, what: &str) {
         family().rejects(p),
         "{what}: the broken twin passes with p = {p:.3e}"
     );
+}
+
+/// Rejects the p-value that each broken twin gets from `p_value`, which is `None` where the mistake does not concern what
+/// is tested. One of them has to concern it.
+pub fn reject_broken(what: &str, p_value: impl Fn(BrokenTwin) -> Option<f64>) {
+    let mut concerned = false;
+    for row in BROKEN_TWINS {
+        if let Some(p) = p_value(row.twin) {
+            concerned = true;
+            reject(p, &format!("{what}, {}", row.name));
+        }
+    }
+    assert!(concerned, "{what}: no broken twin to reject");
+}
+
+/// p-value of the hypothesis that pairs of uniform numbers of [0, 1) are independent: under it the mean of
+/// (a − ½)(b − ½) over N pairs has the variance 1/(144 N). The longer slice's rest is left out.
+pub fn correlation_p_value(a: &[f64], b: &[f64]) -> f64 {
+    let n = a.len().min(b.len()) as f64;
+    let products = a.iter().zip(b).map(|(a, b)| (a - 0.5) * (b - 0.5));
+    z_test(products.sum::<f64>() / n, 0.0, 1.0 / (144.0 * n), 0.0).p_value
 }
 
 fn entry() -> std::sync::MutexGuard<'static, Ledger> {

@@ -15,7 +15,8 @@ pub fn sin_cos_two_pi(u: f64) -> DVec2 {
 
 /// Angle of (x, y) in (−π, π]; 0 at the origin.
 pub fn angle_of(y: f64, x: f64) -> f64 {
-    y.atan2(x)
+    // Adding 0 takes the sign off a zero, which `atan2` would heed.
+    (y + 0.0).atan2(x + 0.0)
 }
 
 /// High word of the 64-bit product a·b.

@@ -5,14 +5,16 @@ use crate::reference::core::pdf::{PdfDiscrete, PdfSolidAngle};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// The unit direction at azimuth fraction `u` (0 at the image's left edge) with cosine `y` to the zenith.
-pub fn direction_from_map(u: f64, y: f64) -> DVec3 {
-    let r = ((1.0 - y) * (1.0 + y)).max(0.0).sqrt();
+/// The unit direction at azimuth fraction `u` (0 at the image's left edge), `depth` below the zenith in z or, where
+/// `south`, above the nadir.
+pub fn direction_from_map(u: f64, depth: f64, south: bool) -> DVec3 {
+    let r = (depth * (2.0 - depth)).max(0.0).sqrt();
     let sc = sin_cos_two_pi(u);
+    let y = if south { depth - 1.0 } else { 1.0 - depth };
     DVec3::new(-sc.x * r, y, sc.y * r)
 }
 
-/// Image coordinates in [0, 1)² of a unit direction in the map's space; row 0 is the zenith.
+/// Image coordinates in [0, 1]² of a unit direction in the map's space; row 0 is the zenith.
 pub fn map_from_direction(d: DVec3) -> DVec2 {
     let azimuth = angle_of(-d.x, d.z) / TAU;
     let polar = angle_of(d.x.hypot(d.z), d.y) / PI;
@@ -26,9 +28,11 @@ pub fn map_from_direction(d: DVec3) -> DVec2 {
     )
 }
 
-/// cos(π j/H).
-pub fn row_cosine(row: u32, height: u32) -> f64 {
-    (PI * f64::from(row) / f64::from(height)).cos()
+/// Depth in z of the edge above row `row`: 1 − cos(π j/H).
+pub fn row_depth(row: u32, height: u32) -> f64 {
+    2.0 * (0.5 * PI * f64::from(row) / f64::from(height))
+        .sin()
+        .powi(2)
 }
 
 /// Height of row `row` in z: cos(π j/H) − cos(π (j+1)/H).
@@ -38,10 +42,17 @@ pub fn row_height(row: u32, height: u32) -> f64 {
 
 /// A direction in the cell (column, row) of a `grid[0]` × `grid[1]` map.
 pub fn sample_environment_cell(cell: [u32; 2], grid: [u32; 2], u: DVec2) -> DVec3 {
-    let y = row_cosine(cell[1], grid[1]) - u.y * row_height(cell[1], grid[1]);
+    let south = 2 * cell[1] >= grid[1];
+    let (row, v) = if south {
+        (grid[1] - 1 - cell[1], 1.0 - u.y)
+    } else {
+        (cell[1], u.y)
+    };
+    let depth = row_depth(row, grid[1]) + v * row_height(row, grid[1]);
     direction_from_map(
         (f64::from(cell[0]) + u.x) / f64::from(grid[0]),
-        y.clamp(-1.0, 1.0),
+        depth,
+        south,
     )
 }
 

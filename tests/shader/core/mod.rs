@@ -1,1 +1,12 @@
 //! One file per file of `shaders/core/`.
+
+mod bvh;
+mod constants;
+mod frame;
+mod math;
+mod pdf;
+mod ray;
+mod ray_planar;
+mod ray_sphere;
+mod rng;
+mod sampler;
