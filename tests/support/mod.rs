@@ -1,6 +1,8 @@
 //! What several tests share.
 
+pub mod every_kind;
 pub mod histogram;
+pub mod rounding;
 pub mod shader;
 pub mod statistics;
 
