@@ -5,3 +5,5 @@ mod ledger;
 mod one_pixel;
 mod strategies;
 mod test_scenes;
+mod twin;
+mod variance;
