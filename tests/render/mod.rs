@@ -6,3 +6,5 @@ mod one_pixel;
 mod random_polygons;
 mod strategies;
 mod test_scenes;
+mod twin;
+mod variance;

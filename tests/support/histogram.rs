@@ -16,10 +16,10 @@ pub fn p_value(samples: &[DVec2], low: DVec2, high: DVec2, pdf: impl Fn(DVec2) -
     // One cell more for what lies outside.
     let mut observed = vec![0_u64; CELLS[0] * CELLS[1] + 1];
     for p in samples {
-        let cell = ((*p - low) / size).floor();
-        let inside =
-            cell.x >= 0.0 && cell.y >= 0.0 && cell.x < CELLS[0] as f64 && cell.y < CELLS[1] as f64;
-        let index = if inside {
+        // The upper edges belong to the last cells.
+        let last = DVec2::new(CELLS[0] as f64 - 1.0, CELLS[1] as f64 - 1.0);
+        let cell = ((*p - low) / size).floor().min(last);
+        let index = if p.cmpge(low).all() && p.cmple(high).all() {
             cell.y as usize * CELLS[0] + cell.x as usize
         } else {
             CELLS[0] * CELLS[1]
@@ -52,12 +52,7 @@ pub fn p_value(samples: &[DVec2], low: DVec2, high: DVec2, pdf: impl Fn(DVec2) -
 pub fn directions_p_value(samples: &[DVec3], pdf: impl Fn(DVec3) -> f64) -> f64 {
     let flat: Vec<DVec2> = samples
         .iter()
-        .map(|w| {
-            DVec2::new(
-                w.y.atan2(w.x).clamp(-PI, PI.next_down()),
-                w.z.clamp(-1.0, 1.0_f64.next_down()),
-            )
-        })
+        .map(|w| DVec2::new(w.y.atan2(w.x), w.z.clamp(-1.0, 1.0)))
         .collect();
     let low = DVec2::new(-PI, -1.0);
     let high = DVec2::new(PI, 1.0);

@@ -1,10 +1,12 @@
 //! What several tests share.
 
+pub mod every_kind;
 pub mod histogram;
 pub mod random;
 pub mod rounding;
 pub mod shader;
 pub mod statistics;
+pub mod twin;
 
 use direkt::gpu::Context;
 use direkt::render::{Film, Prepared, Session, StopReason};
@@ -13,6 +15,7 @@ use direkt::scene::{
     Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings, Scene,
     Shape, Strategy,
 };
+use direkt::stats::z_test::z_test;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
@@ -166,19 +169,18 @@ pub fn point_light(position: DVec3, intensity: f64) -> Light {
     }
 }
 
-/// Asserts that the one pixel of `film` is `expected` within 4.5 of its own standard errors and a relative 2e-5 of
-/// f32 rounding, in every channel.
+/// Asserts that the one pixel of `film` is `expected` in every channel, as tests of the family with the pixel's own
+/// standard error and a relative 2e-5 of f32 rounding.
 pub fn assert_pixel(film: &Film, expected: f64, what: &str) {
     let pixel = &film.pixels[0];
     let error = pixel.variance_of_mean().expect("two samples or more");
     assert_eq!(film.ledger.dropped, 0, "{what}: non-finite samples");
     for (c, variance) in error.into_iter().enumerate() {
-        let bound = 4.5 * variance.sqrt() + 2e-5 * expected.abs();
-        let difference = (pixel.mean[c] - expected).abs();
-        assert!(
-            difference <= bound,
-            "{what}, channel {c}: {} differs from {expected} by {difference:.3e}, bound {bound:.3e}",
-            pixel.mean[c]
+        let test = z_test(pixel.mean[c], expected, variance, 2e-5 * expected.abs());
+        let found = pixel.mean[c];
+        statistics::accept(
+            test.p_value,
+            &format!("{what}, channel {c}: {found} for {expected}"),
         );
     }
 }

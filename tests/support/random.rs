@@ -16,6 +16,17 @@ pub fn rounded(v: DVec3) -> DVec3 {
     v.as_vec3().as_dvec3()
 }
 
+/// Four numbers in [0, 1 − 2⁻²⁴] for an item of a stream.
+pub fn numbers(item: u32, stream: u32, seed: u32) -> [f64; 4] {
+    pcg4d([item, stream, 0, seed]).map(to_unit)
+}
+
+/// A unit vector at polar angle `degrees` and azimuth `azimuth`, rounded to f32.
+pub fn direction(degrees: f64, azimuth: f64) -> DVec3 {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    rounded(DVec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos))
+}
+
 impl Random {
     /// The stream of number `seed`.
     pub fn new(seed: u32) -> Self {

@@ -52,3 +52,8 @@ pub fn assert_integrates_to_one(
     );
     assert_near(density * area.value.x, 1.0, bound, what);
 }
+
+/// Whether `found` is `expected` up to `roundings` roundings relative to it.
+pub fn close(found: f64, expected: f64, roundings: f64) -> bool {
+    (found - expected).abs() <= roundings * U * expected.abs()
+}

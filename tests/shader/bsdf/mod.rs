@@ -1,3 +1,9 @@
 //! One file per file of `shaders/bsdf/`.
+#![expect(
+    clippy::module_inception,
+    reason = "the modules have the names of the shader files"
+)]
 
+mod bsdf;
+mod ggx;
 mod lambert;

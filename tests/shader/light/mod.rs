@@ -1,8 +1,13 @@
 //! One file per file of `shaders/light/`.
+#![expect(
+    clippy::module_inception,
+    reason = "the modules have the names of the shader files"
+)]
 
 mod alias_table;
 mod disk;
 mod environment;
+mod light;
 mod rectangle;
 mod sphere;
 mod spot;

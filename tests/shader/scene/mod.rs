@@ -1,1 +1,20 @@
 //! One file per file of `shaders/scene/`.
+
+mod bindings;
+mod fetch;
+mod surface;
+mod trace;
+
+use crate::support::every_kind::{constant_environment, every_kind};
+use direkt::render::Prepared;
+use direkt::scene::{LightSelection, Scene, Strategy};
+
+/// `scene` with everything compiled in that it calls for.
+fn prepared(scene: Scene) -> Prepared {
+    Prepared::new(scene, Strategy::MisPower, LightSelection::Power)
+}
+
+/// Every kind of primitive, material and light.
+fn every() -> Prepared {
+    prepared(every_kind(constant_environment()))
+}

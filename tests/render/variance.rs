@@ -1,0 +1,128 @@
+//! The variance is the exact one over the number of samples.
+
+use crate::support::twin::{Part, twin_film};
+use crate::support::{context, emitter, floor_pixel, render, statistics, unit_square};
+use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
+use direkt::render::{Film, Prepared};
+use direkt::scene::{FilmSize, Scene, Strategy};
+use direkt::stats::moments::Moments;
+use direkt::stats::t_test::one_sample;
+use direkt::stats::z_test::z_test;
+
+const RADIANCE: f64 = 10.0;
+/// Under the square, ρ = ½ (HARD CASES H).
+const EXACT: f64 = 1.197_282_352_303_87;
+/// Of one sample: area sampling of a unit square at distance 1 has the variance 0.0171781413180395 in E (HARD CASES E).
+const VARIANCE: f64 = 0.017_178_141_318_039_5;
+/// Samples per pixel.
+const LEVELS: [u64; 3] = [4, 16, 64];
+
+/// 64 × 64 pixels that all see the same point of the floor, under a unit square at height 1.
+fn square_over_floor() -> Scene {
+    let mut scene = floor_pixel();
+    scene.film = FilmSize {
+        width: 64,
+        height: 64,
+    };
+    scene.shapes.push(emitter(unit_square(), RADIANCE, false));
+    scene.render.strategy = Strategy::LightArea;
+    scene
+}
+
+/// Squared errors of the pixels, in units of the exact variance of one sample.
+fn squares(film: &Film) -> Moments {
+    let factor = RADIANCE * 0.5 / std::f64::consts::PI;
+    let exact = factor * factor * VARIANCE;
+    film.pixels
+        .iter()
+        .map(|p| (p.mean[0] - EXACT).powi(2) / exact)
+        .collect()
+}
+
+/// p-value of the squared errors' mean being 1/N, from their own spread over the pixels, which are independent.
+fn level_p_value(film: &Film, samples: u64) -> f64 {
+    one_sample(&squares(film), 1.0 / samples as f64)
+        .unwrap()
+        .p_value
+}
+
+/// p-value of the slope of ln(mean squared error) against ln N, over the first and last level, being −1. Independent
+/// films; the logarithm's variance is that of the mean over its square.
+fn slope_p_value(first: &Film, last: &Film) -> f64 {
+    let [a, b] = [squares(first), squares(last)];
+    let span = (LEVELS[2] as f64 / LEVELS[0] as f64).ln();
+    let relative = |m: &Moments| m.variance_of_mean().unwrap() / (m.mean * m.mean);
+    let slope = (b.mean / a.mean).ln() / span;
+    z_test(
+        slope,
+        -1.0,
+        (relative(&a) + relative(&b)) / (span * span),
+        0.0,
+    )
+    .p_value
+}
+
+#[test]
+fn variance_is_the_exact_one_over_the_number_of_samples() {
+    let context = context();
+    let films = LEVELS.map(|spp| {
+        let mut scene = square_over_floor();
+        scene.render.spp = spp;
+        scene.render.seed = spp as u32;
+        render(&context, scene)
+    });
+    for (film, spp) in films.iter().zip(LEVELS) {
+        let what = format!(
+            "mean squared error at {spp} samples, {}",
+            context.adapter.name
+        );
+        statistics::accept(level_p_value(film, spp), &what);
+        // What the film reports of itself has the same mean: its pixels' variances are unbiased.
+        let factor = RADIANCE * 0.5 / std::f64::consts::PI;
+        let exact = factor * factor * VARIANCE / spp as f64;
+        let reported = film
+            .pixels
+            .iter()
+            .filter_map(|p| Some(p.variance_of_mean()?[0]));
+        let reported: Moments = reported.collect();
+        let p = one_sample(&reported, exact).unwrap().p_value;
+        statistics::accept(
+            p,
+            &format!(
+                "reported variance at {spp} samples, {}",
+                context.adapter.name
+            ),
+        );
+    }
+    statistics::accept(slope_p_value(&films[0], &films[2]), "slope of the error");
+}
+
+#[test]
+fn biased_twins_do_not_have_the_exact_variance() {
+    let scene = square_over_floor();
+    let settings = scene.render;
+    let size = scene.film;
+    let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    for row in BROKEN_TWINS.iter().filter(|row| (row.applies)(&prepared)) {
+        let films = [LEVELS[0], LEVELS[2]].map(|spp| {
+            twin_film(
+                &prepared,
+                (size, 100 + spp as u32, spp),
+                Part::All,
+                Some(row.twin),
+            )
+        });
+        match row.twin {
+            // A bias stays where the variance falls.
+            BrokenTwin::PdfScaled
+            | BrokenTwin::WrongMeasure
+            | BrokenTwin::ExtraCosine
+            | BrokenTwin::LightLeftOut => {
+                statistics::reject(level_p_value(&films[1], LEVELS[2]), row.name);
+                statistics::reject(slope_p_value(&films[0], &films[1]), row.name);
+            }
+            // They are about sampling the BSDF, which does not happen here.
+            BrokenTwin::SwappedSinCos | BrokenTwin::MisWeights => unreachable!("{}", row.name),
+        }
+    }
+}

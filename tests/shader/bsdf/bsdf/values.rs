@@ -1,0 +1,232 @@
+//! Values and samples, one by one.
+
+use super::{IMPORTS, lobe_error, material_words, materials, plastic};
+use crate::shader::bsdf::ggx::sample_bound;
+use crate::support::random::{direction, numbers};
+use crate::support::rounding::{U, close};
+use crate::support::shader::{Function, call, words};
+use crate::support::{context, edge_points};
+use direkt::reference::bsdf::bsdf::{eval_bsdf, sample_bsdf, specular_share};
+use glam::{DVec2, DVec3};
+
+#[test]
+fn bsdf_values_are_the_twins() {
+    let context = context();
+    let degrees = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99, 90.5];
+    let mut cases = Vec::new();
+    for m in materials() {
+        for i in degrees {
+            for o in degrees {
+                for azimuth in [0.0, 2.0, std::f64::consts::PI] {
+                    cases.push((m, direction(i, 0.7 + azimuth), direction(o, 0.7)));
+                }
+            }
+        }
+    }
+    let function = Function {
+        imports: IMPORTS,
+        body: "let m = Material(in_vec3f(0u), in_vec3f(3u), in_f32(6u));
+               let value = eval_bsdf(m, in_vec3f(7u), in_vec3f(10u));
+               out_vec3f(0u, value.f_cos);
+               out_f32(3u, value.pdf.value);
+               out_f32(4u, specular_share(m, max(in_f32(12u), 0.0)));",
+        inputs: 13,
+        outputs: 5,
+        features: &["GLOSSY"],
+    };
+    let inputs: Vec<f64> = cases
+        .iter()
+        .flat_map(|(m, wi, wo)| {
+            [
+                material_words(m),
+                wi.to_array().into(),
+                wo.to_array().into(),
+            ]
+        })
+        .flatten()
+        .collect();
+    let answers = call(&context, &function, &words(&inputs));
+    let found = answers.vec3(0).zip(answers.f64(3).zip(answers.f64(4)));
+    for ((m, wi, wo), (f_cos, (pdf, share))) in cases.iter().zip(found) {
+        let what = format!("{}: {m:?} {wi} {wo}", context.adapter.name);
+        let expected = eval_bsdf(m, *wi, *wo);
+        assert!(
+            f_cos.is_finite() && pdf.is_finite(),
+            "{what}: {f_cos} {pdf}"
+        );
+        assert!(f_cos.min_element() >= 0.0 && pdf >= 0.0, "{what}");
+        let error = m
+            .specular
+            .map_or(16.0 * U, |s| lobe_error(s.alpha, *wi, *wo));
+        // 1 − F of the diffuse lobe is known absolutely.
+        let absolute = 32.0 * U * wi.z.max(0.0);
+        let off = (f_cos - expected.f_cos).abs();
+        assert!(
+            off.cmple(error * expected.f_cos + absolute * m.diffuse)
+                .all(),
+            "{what}: {f_cos}, not {}: {error:.1e}",
+            expected.f_cos
+        );
+        assert!(
+            (pdf - expected.pdf.0).abs() <= error * expected.pdf.0,
+            "{what}: {pdf}, not {:?}",
+            expected.pdf
+        );
+        if let Some(lobe) = &m.specular {
+            let expected = specular_share(m.diffuse, lobe, wo.z.max(0.0));
+            assert!(
+                close(share, expected, 64.0),
+                "{what}: {share}, not {expected}"
+            );
+        }
+    }
+}
+
+/// Directions that leave the horizon, and weights: with F ≤ 1 a conductor's weight F·G2/G1 and a Lambert's albedo are in
+/// [0, 1], up to the error of the lobe in numerator and denominator alike (64 roundings).
+#[test]
+fn bsdf_samples_are_finite_and_in_range() {
+    let context = context();
+    let function = Function {
+        imports: IMPORTS,
+        body: "let m = Material(in_vec3f(0u), in_vec3f(3u), in_f32(6u));
+               let s = sample_bsdf(m, in_vec3f(7u), in_f32(10u), in_vec2f(11u));
+               out_vec3f(0u, s.wi);
+               out_vec3f(3u, s.weight);
+               out_f32(6u, s.pdf.value);",
+        inputs: 13,
+        outputs: 7,
+        features: &["GLOSSY"],
+    };
+    let mut cases = Vec::new();
+    let points = edge_points();
+    for m in materials() {
+        for degrees in [0.0, 45.0, 80.0, 89.9, 89.99] {
+            for (i, u) in points.iter().enumerate() {
+                let lobe = [0.0, 0.25, 0.75, 1.0 - U][i % 4];
+                cases.push((m, direction(degrees, 0.7), lobe, *u));
+            }
+        }
+    }
+    let inputs: Vec<f64> = cases
+        .iter()
+        .flat_map(|(m, wo, lobe, u)| {
+            [
+                material_words(m),
+                wo.to_array().into(),
+                vec![*lobe, u.x, u.y],
+            ]
+        })
+        .flatten()
+        .collect();
+    let answers = call(&context, &function, &words(&inputs));
+    let found = answers.vec3(0).zip(answers.vec3(3).zip(answers.f64(6)));
+    for ((m, wo, lobe, u), (wi, (weight, pdf))) in cases.iter().zip(found) {
+        let what = format!("{}: {m:?} {wo} {lobe} {u}", context.adapter.name);
+        assert!((wi.length() - 1.0).abs() < 1e-5, "{what}: {wi}");
+        assert!(
+            weight.is_finite() && pdf.is_finite() && pdf >= 0.0,
+            "{what}"
+        );
+        assert!(weight.min_element() >= 0.0, "{what}: {weight}");
+        if wi.z <= 0.0 {
+            assert_eq!((weight, pdf), (DVec3::ZERO, 0.0), "{what}");
+        }
+        if m.diffuse == DVec3::ZERO || m.specular.is_none() {
+            assert!(weight.max_element() <= 1.0 + 128.0 * U, "{what}: {weight}");
+        }
+        let expected = sample_bsdf(m, *wo, *lobe, *u);
+        match &m.specular {
+            // |δω_i| ≤ 4|δh|, and 8 roundings.
+            Some(lobe) if expected.specular => {
+                let bound = 4.0 * sample_bound(*wo, lobe.alpha, *u) + 8.0 * U;
+                assert!(
+                    (wi - expected.wi).length() <= bound,
+                    "{what}: {wi}, not {}",
+                    expected.wi
+                );
+            }
+            // The bounds of `sample_lambert`.
+            _ => {
+                let off = (wi - expected.wi).truncate().length();
+                let off_z = (wi.z * wi.z - expected.wi.z * expected.wi.z).abs();
+                assert!(
+                    off < 4e-7 && off_z < 2e-6,
+                    "{what}: {wi}, not {}",
+                    expected.wi
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_bsdf_is_reciprocal() {
+    let context = context();
+    let function = Function {
+        imports: IMPORTS,
+        body: "let m = Material(in_vec3f(0u), in_vec3f(3u), in_f32(6u));
+               let a = in_vec3f(7u); let b = in_vec3f(10u);
+               out_vec3f(0u, eval_bsdf(m, a, b).f_cos / a.z);
+               out_vec3f(3u, eval_bsdf(m, b, a).f_cos / b.z);",
+        inputs: 13,
+        outputs: 6,
+        features: &["GLOSSY"],
+    };
+    let random = |item: u32, stream: u32| {
+        let [u, v, choice, _] = numbers(item, stream, 16);
+        let degrees = if choice < 0.25 { 89.9 } else { 89.9 * u };
+        direction(degrees, std::f64::consts::TAU * v)
+    };
+    let all = materials();
+    let cases: Vec<_> = (0..10_000)
+        .map(|i| (all[i as usize % all.len()], random(i, 0), random(i, 1)))
+        .collect();
+    let inputs: Vec<f64> = cases
+        .iter()
+        .flat_map(|(m, a, b)| [material_words(m), a.to_array().into(), b.to_array().into()])
+        .flatten()
+        .collect();
+    let answers = call(&context, &function, &words(&inputs));
+    for ((m, a, b), (ab, ba)) in cases.iter().zip(answers.vec3(0).zip(answers.vec3(3))) {
+        assert!(
+            (ab - ba).abs().cmple(1e-5 * ab).all(),
+            "{}: {m:?} {a} {b}: {ab} {ba}",
+            context.adapter.name
+        );
+    }
+}
+
+/// The number that chooses the lobe does so at the share.
+#[test]
+fn the_lobe_is_chosen_at_its_share() {
+    let context = context();
+    let m = plastic(0.6, 0.04, 0.1);
+    let wo = direction(50.0, 0.7);
+    let share = specular_share(m.diffuse, m.specular.as_ref().unwrap(), wo.z);
+    let function = Function {
+        imports: IMPORTS,
+        body: "let m = Material(in_vec3f(0u), in_vec3f(3u), in_f32(6u));
+               out_vec3f(0u, sample_bsdf(m, in_vec3f(7u), in_f32(10u), in_vec2f(11u)).wi);",
+        inputs: 13,
+        outputs: 3,
+        features: &["GLOSSY"],
+    };
+    let u = DVec2::new(0.375, 0.625);
+    let lobes = [0.0, share - 64.0 * U, share + 64.0 * U, 1.0 - U];
+    let inputs: Vec<f64> = lobes
+        .iter()
+        .flat_map(|l| [material_words(&m), wo.to_array().into(), vec![*l, u.x, u.y]])
+        .flatten()
+        .collect();
+    let answers = call(&context, &function, &words(&inputs));
+    for (lobe, wi) in lobes.iter().zip(answers.vec3(0)) {
+        let expected = sample_bsdf(&m, wo, *lobe, u);
+        assert_eq!(expected.specular, *lobe < share);
+        assert!(
+            (wi - expected.wi).length() < 1e-5,
+            "{lobe}: {wi}, not {}",
+            expected.wi
+        );
+    }
+}

@@ -1,0 +1,71 @@
+//! `shaders/kernel/record.wesl`: what it records is what a render accumulates.
+
+use crate::support::{STRATEGIES, context, own_scenes};
+use direkt::compare::accumulation::TOLERANCE;
+use direkt::gpu::layout::{NONE, SampleRecord};
+use direkt::gpu::recorder::Recorder;
+use direkt::render::{Prepared, Session, StopReason};
+use direkt::scene::{FilmSize, LightSelection};
+use direkt::stats::moments::Moments;
+
+const SAMPLES: u64 = 8;
+const FILM: FilmSize = FilmSize {
+    width: 63,
+    height: 65,
+};
+
+/// Mean and squares of every pixel, from records and from the film. [`TOLERANCE`] is that of a block of 256 samples.
+#[test]
+fn recorded_samples_make_the_film() {
+    let context = context();
+    for (name, scene) in own_scenes() {
+        for strategy in STRATEGIES {
+            let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
+            let recorder = Recorder::new(&context, &prepared, FILM, 33).unwrap();
+            let records: Vec<_> = (0..SAMPLES).map(|i| recorder.samples(i).unwrap()).collect();
+            let mut session = Session::new(&context, &prepared, FILM, 33).unwrap();
+            assert_eq!(session.pass(SAMPLES, || false).unwrap(), StopReason::Done);
+            let film = session.snapshot().unwrap().0;
+            for (i, pixel) in film.pixels.iter().enumerate() {
+                for channel in 0..3 {
+                    let of_sample = |r: &Vec<SampleRecord>| f64::from(r[i].radiance[channel]);
+                    let values: Vec<f64> = records.iter().map(of_sample).collect();
+                    let largest = values.iter().copied().fold(0.0, f64::max);
+                    let expected: Moments = values.into_iter().collect();
+                    let off = (pixel.mean[channel] - expected.mean).abs();
+                    let off_m2 = (pixel.m2[channel] - expected.m2).abs();
+                    assert!(
+                        off <= TOLERANCE * largest
+                            && off_m2 <= TOLERANCE * largest * largest * SAMPLES as f64,
+                        "{}, {name}, {strategy}: pixel {i} is {pixel:?}, not {expected:?}",
+                        context.adapter.name
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The radiance of a surface that does not emit is the sum of its parts, and what met nothing has none.
+#[test]
+fn parts_add_up() {
+    let context = context();
+    for (name, scene) in own_scenes() {
+        let prepared = Prepared::new(scene, STRATEGIES[2], LightSelection::Power);
+        let recorder = Recorder::new(&context, &prepared, FILM, 34).unwrap();
+        let records = recorder.samples(u64::from(u32::MAX) + 5).unwrap();
+        let shape = |r: &SampleRecord| prepared.primitives[r.camera_primitive as usize].shape;
+        let mut checked = 0;
+        for r in &records {
+            if r.camera_primitive == NONE {
+                assert_eq!([r.by_light, r.by_bsdf], [[0.0; 3]; 2], "{name}: {r:?}");
+            } else if prepared.scene.shapes[shape(r).index()].emission.is_none() {
+                checked += 1;
+                for c in 0..3 {
+                    assert_eq!(r.radiance[c], r.by_light[c] + r.by_bsdf[c], "{name}: {r:?}");
+                }
+            }
+        }
+        assert!(checked > records.len() / 4, "{name}: {checked} checked");
+    }
+}

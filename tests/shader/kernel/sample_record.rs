@@ -1,0 +1,49 @@
+//! `shaders/kernel/sample_record.wesl`.
+
+use crate::support::context;
+use crate::support::shader::{Function, draw};
+use direkt::gpu::layout::{NONE, NOT_TRACED, SHADOW_BLOCKED, SHADOW_CLEAR, SHADOW_NOT_TRACED};
+use glam::DVec3;
+
+const WRITE: &str = "out_vec3f(0u, recorded.radiance); out_u32(3u, recorded.shadow);
+    out_vec3f(4u, recorded.by_light); out_u32(7u, recorded.camera_primitive);
+    out_vec3f(8u, recorded.by_bsdf); out_u32(11u, recorded.bsdf_primitive);";
+
+fn record(steps: &str) -> ([DVec3; 3], [u32; 3]) {
+    let function = Function {
+        imports: "import package::kernel::sample_record::{
+            record_bsdf_hit, record_camera_hit, record_parts, record_shadow, recorded, start_record};",
+        body: &format!("{steps} {WRITE}"),
+        outputs: 12,
+        ..Function::default()
+    };
+    let answers = draw(&context(), &function, 1);
+    (
+        [0, 4, 8].map(|word| answers.vec3(word).next().unwrap()),
+        [3, 7, 11].map(|word| answers.u32(word).next().unwrap()),
+    )
+}
+
+#[test]
+fn a_record_begins_with_nothing_traced() {
+    let (radiance, met) = record("record_shadow(true); start_record();");
+    assert_eq!(radiance, [DVec3::ZERO; 3]);
+    assert_eq!(met, [SHADOW_NOT_TRACED, NONE, NOT_TRACED]);
+}
+
+#[test]
+fn each_step_notes_its_own_part() {
+    let (radiance, met) = record(
+        "start_record(); record_camera_hit(5u); record_shadow(false); record_bsdf_hit(7u);
+         record_parts(vec3f(1.0, 2.0, 3.0), vec3f(4.0, 5.0, 6.0));",
+    );
+    let parts = [
+        DVec3::ZERO,
+        DVec3::new(1.0, 2.0, 3.0),
+        DVec3::new(4.0, 5.0, 6.0),
+    ];
+    assert_eq!(radiance, parts);
+    assert_eq!(met, [SHADOW_CLEAR, 5, 7]);
+    let (_, met) = record("start_record(); record_shadow(true);");
+    assert_eq!(met, [SHADOW_BLOCKED, NONE, NOT_TRACED]);
+}

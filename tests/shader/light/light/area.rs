@@ -1,0 +1,178 @@
+//! Directions towards area lights against their density per solid angle.
+
+use super::{DRAWN, directions, prepared, receivers};
+use crate::support::every_kind::constant_environment;
+use crate::support::{context, histogram, statistics};
+use direkt::accel::PrimitiveGeometry;
+use direkt::emitters::Emitter;
+use direkt::reference::BrokenTwin;
+use direkt::reference::broken::BROKEN_TWINS;
+use direkt::reference::core::frame::{frame_from_normal, to_local};
+use direkt::reference::core::ray::Ray;
+use direkt::reference::core::ray_planar::intersect_rectangle;
+use direkt::reference::core::ray_sphere::intersect_sphere;
+use direkt::reference::light::light::pdf_area_light;
+use direkt::reference::scene::fetch::World;
+use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// Where a direction from `x` meets an area light, in coordinates of [0, 1]², and the density per unit of these that a
+/// density `pdf` per solid angle makes there.
+fn on_light(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> (DVec2, f64) {
+    let ray = Ray {
+        origin: x,
+        direction: wi,
+    };
+    match *geometry {
+        PrimitiveGeometry::Rectangle { a, u, v }
+        | PrimitiveGeometry::Triangle { a, u, v }
+        | PrimitiveGeometry::Disk { a, u, v } => {
+            let hit = intersect_rectangle(&ray, a, u, v);
+            let (st, jacobian) = match geometry {
+                // (s/(1 − t), t).
+                PrimitiveGeometry::Triangle { .. } => (
+                    DVec2::new(hit.st.x / (1.0 - hit.st.y), hit.st.y),
+                    1.0 - hit.st.y,
+                ),
+                // (r², φ/2π): r dr dφ = π dr² dφ/2π.
+                PrimitiveGeometry::Disk { .. } => {
+                    let angle = hit.st.y.atan2(hit.st.x) / TAU;
+                    (
+                        DVec2::new(hit.st.length_squared(), angle.rem_euclid(1.0)),
+                        PI,
+                    )
+                }
+                _ => (hit.st, 1.0),
+            };
+            let normal = u.cross(v);
+            let solid_angle = (normal.dot(wi)).abs() / (hit.t * hit.t);
+            (st, solid_angle * jacobian)
+        }
+        PrimitiveGeometry::Sphere { center, radius } => {
+            // A direction to the horizon may round past it.
+            let closest = (center - x).dot(wi);
+            let t = intersect_sphere(&ray, center, radius).map_or(closest, |(near, _)| near);
+            let normal = (x + t * wi - center).normalize();
+            let axis = frame_from_normal((x - center).normalize());
+            let local = to_local(&axis, normal);
+            // The cap that is seen: cosines above r/d.
+            let horizon = radius / (x - center).length();
+            let p = DVec2::new(
+                (local.z - horizon) / (1.0 - horizon),
+                (local.y.atan2(local.x) / TAU).rem_euclid(1.0),
+            );
+            let area = radius * radius * TAU * (1.0 - horizon);
+            (p, area * -normal.dot(wi) / (t * t))
+        }
+    }
+}
+
+/// The direction from `x` to the point of the light with coordinates `p`; the inverse of [`on_light`].
+fn towards(geometry: &PrimitiveGeometry, x: DVec3, p: DVec2) -> DVec3 {
+    let point = match *geometry {
+        PrimitiveGeometry::Rectangle { a, u, v } => a + p.x * u + p.y * v,
+        PrimitiveGeometry::Triangle { a, u, v } => a + p.x * (1.0 - p.y) * u + p.y * v,
+        PrimitiveGeometry::Disk { a, u, v } => {
+            let (sin, cos) = (TAU * p.y).sin_cos();
+            a + p.x.sqrt() * (cos * u + sin * v)
+        }
+        PrimitiveGeometry::Sphere { center, radius } => {
+            let f = frame_from_normal((x - center).normalize());
+            let horizon = radius / (x - center).length();
+            let z = horizon + p.x * (1.0 - horizon);
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            let (sin, cos) = (TAU * p.y).sin_cos();
+            center + radius * (r * cos * f.x + r * sin * f.y + z * f.z)
+        }
+    };
+    (point - x).normalize()
+}
+
+/// Directions towards area lights against `pdf_area_light` per solid angle, in coordinates of the light, where no cell
+/// is cut by its edge.
+#[test]
+fn directions_towards_area_lights_match_pdf() {
+    let context = context();
+    let prepared = prepared(constant_environment());
+    let world = World::new(&prepared);
+    let mut tested = 0;
+    for (index, light) in (0_u32..).zip(&prepared.emitters.lights) {
+        let Emitter::Area { primitive, .. } = *light else {
+            continue;
+        };
+        let geometry = &prepared.primitives[primitive as usize].geometry;
+        for (k, x) in (0..).zip(receivers(&prepared, light).into_iter().take(2)) {
+            tested += 1;
+            let seed = 50 + 4 * index + k;
+            let wis = directions(&context, &prepared, index, x, seed);
+            // A point on the border may round beyond it, by the angle that a direction is known to.
+            let samples: Vec<DVec2> = wis
+                .iter()
+                .map(|wi| {
+                    let (p, _) = on_light(geometry, x, *wi);
+                    let inner = p.clamp(DVec2::ZERO, DVec2::ONE);
+                    if (p - inner).length() < 1e-5 {
+                        inner
+                    } else {
+                        p
+                    }
+                })
+                .collect();
+            // A sphere's back is sampled as well, and nothing arrives from there: the density is that of all samples.
+            let all = DRAWN as f64 / samples.len() as f64;
+            let selection = prepared.emitters.probability(index as usize);
+            let pdf = |p: DVec2, cosines: f64| {
+                let wi = towards(geometry, x, p);
+                let (_, to_solid_angle) = on_light(geometry, x, wi);
+                let (d2, cos) = distance_and_cosine(geometry, x, wi);
+                let pdf = pdf_area_light(&world, index, d2, cos).0 / selection;
+                all * pdf * to_solid_angle * cos.powf(cosines)
+            };
+            let what = format!(
+                "{geometry:?} from {x}, seed {seed}, {}",
+                context.adapter.name
+            );
+            let test = |pdf: &dyn Fn(DVec2) -> f64| {
+                histogram::p_value(&samples, DVec2::ZERO, DVec2::ONE, pdf)
+            };
+            statistics::accept(test(&|p| pdf(p, 0.0)), &what);
+            for row in BROKEN_TWINS {
+                let broken = match row.twin {
+                    BrokenTwin::PdfScaled => test(&|p| 1.02 * pdf(p, 0.0)),
+                    // The density per area, taken for that per solid angle.
+                    BrokenTwin::WrongMeasure => test(&|p| {
+                        let wi = towards(geometry, x, p);
+                        all * on_light(geometry, x, wi).1 / geometry.area()
+                    }),
+                    BrokenTwin::ExtraCosine => test(&|p| 1.5 * pdf(p, 1.0)),
+                    // One light alone is sampled, and no BSDF.
+                    BrokenTwin::LightLeftOut
+                    | BrokenTwin::SwappedSinCos
+                    | BrokenTwin::MisWeights => continue,
+                };
+                statistics::reject(broken, &format!("{what}, {}", row.name));
+            }
+        }
+    }
+    assert_eq!(tested, 8, "four kinds from two points each");
+}
+
+/// Squared distance and cosine at the light.
+fn distance_and_cosine(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> (f64, f64) {
+    let ray = Ray {
+        origin: x,
+        direction: wi,
+    };
+    match *geometry {
+        PrimitiveGeometry::Rectangle { a, u, v }
+        | PrimitiveGeometry::Triangle { a, u, v }
+        | PrimitiveGeometry::Disk { a, u, v } => {
+            let t = intersect_rectangle(&ray, a, u, v).t;
+            (t * t, u.cross(v).normalize().dot(wi).abs())
+        }
+        PrimitiveGeometry::Sphere { center, radius } => {
+            let (t, _) = intersect_sphere(&ray, center, radius).expect("it is aimed at");
+            (t * t, -(x + t * wi - center).dot(wi) / radius)
+        }
+    }
+}

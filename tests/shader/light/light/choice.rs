@@ -1,0 +1,126 @@
+//! Which light is chosen, and how often.
+
+use super::IMPORTS;
+use crate::support::every_kind::{constant_environment, every_kind};
+use crate::support::shader::{Function, call_in};
+use crate::support::{context, floor_pixel, point_light, statistics};
+use direkt::reference::BrokenTwin;
+use direkt::reference::broken::BROKEN_TWINS;
+use direkt::reference::light::light::choose_light;
+use direkt::reference::scene::fetch::World;
+use direkt::render::Prepared;
+use direkt::scene::{LightSelection, Strategy};
+use direkt::stats::chi2::{Totals, chi2_test};
+use glam::DVec3;
+
+/// Lights that are chosen from: all kinds, or two of powers 1 : 10⁶.
+fn choices() -> Vec<(String, Prepared)> {
+    let mut two = floor_pixel();
+    two.lights = vec![
+        point_light(DVec3::new(0.0, 0.0, 1.0), 1e-3),
+        point_light(DVec3::new(1.0, 0.0, 1.0), 1e3),
+    ];
+    let scenes = [
+        ("all kinds", every_kind(constant_environment())),
+        ("1 : 1e6", two),
+    ];
+    let mut out = Vec::new();
+    for (name, scene) in scenes {
+        for selection in [LightSelection::Uniform, LightSelection::Power] {
+            let prepared = Prepared::new(scene.clone(), Strategy::MisPower, selection);
+            out.push((format!("{name}, {selection}"), prepared));
+        }
+    }
+    out
+}
+
+#[test]
+fn lights_are_chosen_as_by_the_twin() {
+    let context = context();
+    let function = Function {
+        imports: IMPORTS,
+        body: "let c = choose_light(in_u32(0u)); out_u32(0u, c.index); out_f32(1u, c.probability.value);",
+        inputs: 1,
+        outputs: 2,
+        features: &[],
+    };
+    let ends = [0, 1, u32::MAX, u32::MAX - 1, 1 << 31, (1 << 31) - 1];
+    let words: Vec<u32> = ends
+        .into_iter()
+        .chain((0..10_000).map(|i: u32| i.wrapping_mul(2_654_435_761)))
+        .collect();
+    for (name, prepared) in choices() {
+        let world = World::new(&prepared);
+        let answers = call_in(&context, &prepared, &function, &words, words.len());
+        for (word, (index, p)) in words.iter().zip(answers.u32(0).zip(answers.f64(1))) {
+            let expected = choose_light(&world, *word).unwrap();
+            assert_eq!(index, expected.index, "{name}: word {word}");
+            assert_eq!(
+                p as f32, expected.probability.0 as f32,
+                "{name}: word {word}"
+            );
+        }
+    }
+}
+
+/// 2²⁴ random words against the realised probabilities.
+#[test]
+fn lights_are_chosen_at_their_probability() {
+    let context = context();
+    for (seed, (name, prepared)) in (90..).zip(choices()) {
+        let count = prepared.emitters.lights.len();
+        let body = format!(
+            "var chosen = array<u32, {count}>();
+             for (var k = 0u; k < 16u; k += 1u) {{
+                 let c = choose_light(pcg4d(vec4u(item, k, 44u, {seed}u)).x);
+                 chosen[c.index] += 1u;
+             }}
+             for (var i = 0u; i < {count}u; i += 1u) {{ out_u32(i, chosen[i]); }}"
+        );
+        let function = Function {
+            imports: IMPORTS,
+            body: &body,
+            inputs: 0,
+            outputs: count,
+            features: &[],
+        };
+        let answers = call_in(&context, &prepared, &function, &[], 1 << 20);
+        let counts: Vec<u64> = (0..count)
+            .map(|i| answers.u32(i).map(u64::from).sum())
+            .collect();
+        let expected = |factor: f64| -> Vec<f64> {
+            let p = |i| factor * prepared.emitters.probability(i) * f64::from(1 << 24);
+            (0..count).map(p).collect()
+        };
+        let p_value = |counts: &[u64], factor: f64| {
+            chi2_test(counts, &expected(factor), Totals::Free)
+                .unwrap()
+                .p_value
+        };
+        let what = format!(
+            "choose_light, {name}, seed {seed}, {}",
+            context.adapter.name
+        );
+        statistics::accept(p_value(&counts, 1.0), &what);
+        for row in BROKEN_TWINS {
+            let broken = match row.twin {
+                BrokenTwin::PdfScaled => p_value(&counts, 1.02),
+                BrokenTwin::LightLeftOut => {
+                    let mut counts = counts.clone();
+                    let most = (0..count).max_by(|a, b| {
+                        let p = |i: &usize| prepared.emitters.probability(*i);
+                        p(a).total_cmp(&p(b))
+                    });
+                    counts[most.unwrap()] = 0;
+                    p_value(&counts, 1.0)
+                }
+                // A choice has no direction.
+                BrokenTwin::WrongMeasure
+                | BrokenTwin::SwappedSinCos
+                | BrokenTwin::MisWeights
+                | BrokenTwin::ExtraCosine => continue,
+            };
+            statistics::reject(broken, &format!("{what}, {}", row.name));
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! `shaders/scene/bindings.wesl`: what is bound is what the host has. Pixels and the mark of unfinished ones are
+//! written by renders; see `tests/render/`.
+
+use super::prepared;
+use crate::support::context;
+use crate::support::every_kind::{environment_map, every_kind};
+use crate::support::shader::{Function, call_in};
+use direkt::gpu::{SceneBuffers, scene_buffers};
+use direkt::scene::EnvironmentRadiance;
+use direkt::scene::light::Interpolation;
+
+#[test]
+fn the_frame_is_the_hosts() {
+    let context = context();
+    let prepared = prepared(every_kind(environment_map(Interpolation::Linear)));
+    let function = Function {
+        imports: "import package::scene::bindings::frame;",
+        body: "out_vec3f(0u, frame.eye); out_u32(3u, frame.width);
+               out_vec3f(4u, frame.right); out_u32(7u, frame.height);
+               out_vec3f(8u, frame.up); out_u32(11u, frame.seed);
+               out_vec3f(12u, frame.forward); out_u32(15u, frame.tiles_per_row);
+               out_vec3f(16u, frame.grid_origin); out_u32(19u, frame.root);
+               out_vec3f(20u, frame.grid_scale); out_u32(23u, frame.light_count);
+               out_vec3f(24u, frame.environment_x); out_u32(27u, frame.environment_width);
+               out_vec3f(28u, frame.environment_y); out_u32(31u, frame.environment_height);
+               out_vec3f(32u, frame.environment_z); out_f32(35u, frame.environment_selection);
+               out_vec3f(36u, frame.environment_radiance); out_f32(39u, frame.far);
+               out_u32(40u, frame.environment_grid.x); out_u32(41u, frame.environment_grid.y);",
+        outputs: 42,
+        ..Function::default()
+    };
+    let answers = call_in(&context, &prepared, &function, &[], 1);
+    let scene = &prepared.scene;
+    let buffers = SceneBuffers::new(&context, &prepared).unwrap();
+    let frame = scene_buffers::frame(&prepared, scene.film, scene.render.seed, &buffers);
+    let expected: &[u32] = bytemuck::cast_slice(std::slice::from_ref(&frame));
+    let found: Vec<u32> = (0..42).map(|i| answers.u32(i).next().unwrap()).collect();
+    assert_eq!(found, expected[..42]);
+}
+
+#[test]
+fn buffers_have_the_hosts_lengths_and_words() {
+    let context = context();
+    let prepared = prepared(every_kind(environment_map(Interpolation::Nearest)));
+    let lengths = Function {
+        imports: "import package::scene::bindings::{
+                      environment_alias, environment_texels, light_alias, lights, materials, nodes, primitives};",
+        body: "out_u32(0u, arrayLength(&nodes)); out_u32(1u, arrayLength(&primitives));
+               out_u32(2u, arrayLength(&materials)); out_u32(3u, arrayLength(&lights));
+               out_u32(4u, arrayLength(&light_alias)); out_u32(5u, arrayLength(&environment_alias));
+               out_u32(6u, textureDimensions(environment_texels).x);
+               out_u32(7u, textureDimensions(environment_texels).y);",
+        outputs: 8,
+        ..Function::default()
+    };
+    let answers = call_in(&context, &prepared, &lengths, &[], 1);
+    let found: Vec<u32> = (0..8).map(|i| answers.u32(i).next().unwrap()).collect();
+    let node_words: &[[u32; 4]] = bytemuck::cast_slice(&prepared.bvh.nodes);
+    let selection = prepared.emitters.selection.as_ref().unwrap();
+    let expected = [
+        node_words.len(),
+        3 * prepared.primitives.len(),
+        2 * prepared.scene.materials.len(),
+        4 * prepared.emitters.lights.len(),
+        selection.entries.len(),
+        31 * 17,
+        31,
+        17,
+    ];
+    assert_eq!(found, expected.map(|n| n as u32));
+
+    let word = |array: &str, expected: &[[u32; 4]]| {
+        let function = Function {
+            imports: &format!("import package::scene::bindings::{array};"),
+            body: &format!(
+                "let word = {array}[item];
+                 out_u32(0u, word.x); out_u32(1u, word.y); out_u32(2u, word.z); out_u32(3u, word.w);"
+            ),
+            outputs: 4,
+            ..Function::default()
+        };
+        let answers = call_in(&context, &prepared, &function, &[], expected.len());
+        for (i, expected) in expected.iter().enumerate() {
+            let found = [0, 1, 2, 3].map(|word| answers.u32(word).nth(i).unwrap());
+            assert_eq!(found, *expected, "{array}[{i}]");
+        }
+    };
+    let alias = |table: &direkt::scene::alias_table::AliasTable| -> Vec<[u32; 4]> {
+        let bits = |i: u32| (table.probability[i as usize] as f32).to_bits();
+        let entries = (0..).zip(&table.entries);
+        entries
+            .map(|(i, e)| [e.threshold, e.alias, bits(i), bits(e.alias)])
+            .collect()
+    };
+    word("nodes", node_words);
+    word("light_alias", &alias(selection));
+    word(
+        "environment_alias",
+        &alias(&prepared.emitters.environment.as_ref().unwrap().table),
+    );
+}
+
+#[test]
+fn texels_are_the_maps() {
+    let context = context();
+    let prepared = prepared(every_kind(environment_map(Interpolation::Nearest)));
+    let function = Function {
+        imports: "import package::light::light::environment_texel;",
+        body: "out_vec3f(0u, environment_texel(item % 31u, item / 31u));",
+        outputs: 3,
+        ..Function::default()
+    };
+    let answers = call_in(&context, &prepared, &function, &[], 31 * 17);
+    let EnvironmentRadiance::Map(map) = &prepared.scene.environment.as_ref().unwrap().radiance
+    else {
+        unreachable!("the environment is a map");
+    };
+    for (i, (found, texel)) in answers.vec3(0).zip(&map.texels).enumerate() {
+        assert_eq!(found.as_vec3().to_array(), *texel, "texel {i}");
+    }
+}

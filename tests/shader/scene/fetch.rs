@@ -1,0 +1,187 @@
+//! `shaders/scene/fetch.wesl`: every record comes back as the host prepared it, rounded to f32.
+
+use super::{every, prepared};
+use crate::support::random::rounded;
+use crate::support::shader::{Answers, Function, call_in};
+use crate::support::{context, floor_pixel};
+use direkt::accel::PrimitiveGeometry;
+use direkt::emitters::Emitter;
+use direkt::gpu::layout::{
+    KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
+    LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
+    NONE,
+};
+use direkt::reference::scene::fetch::World;
+use direkt::render::Prepared;
+use direkt::scene::Light;
+use glam::DVec3;
+
+fn item<T>(mut values: impl Iterator<Item = T>, i: usize) -> T {
+    values.nth(i).unwrap()
+}
+
+fn fetched(prepared: &Prepared, body: &str, outputs: usize, count: usize) -> Answers {
+    let function = Function {
+        imports: "import package::scene::fetch::{fetch_light, fetch_material, fetch_primitive};",
+        body,
+        outputs,
+        ..Function::default()
+    };
+    call_in(&context(), prepared, &function, &[], count)
+}
+
+#[test]
+fn primitives_come_back() {
+    let prepared = every();
+    let world = World::new(&prepared);
+    let body = "let p = fetch_primitive(item);
+                out_vec3f(0u, p.a); out_vec3f(3u, p.b); out_vec3f(6u, p.c);
+                out_u32(9u, p.kind); out_u32(10u, p.material); out_bool(11u, p.one_sided); out_u32(12u, p.light);";
+    let answers = fetched(&prepared, body, 13, world.primitives.len());
+    let mut kinds = [0; 4];
+    for (i, (p, source)) in world
+        .primitives
+        .iter()
+        .zip(&prepared.primitives)
+        .enumerate()
+    {
+        let (kind, a, b, c) = match p.geometry {
+            PrimitiveGeometry::Triangle { a, u, v } => (KIND_TRIANGLE, a, a + u, a + v),
+            PrimitiveGeometry::Rectangle { a, u, v } => (KIND_RECTANGLE, a, a + u, a + v),
+            PrimitiveGeometry::Disk { a, u, v } => (KIND_DISK, a, a + u, a + v),
+            PrimitiveGeometry::Sphere { center, radius } => (
+                KIND_SPHERE,
+                center,
+                DVec3::new(radius, 0.0, 0.0),
+                DVec3::ZERO,
+            ),
+        };
+        kinds[kind as usize] += 1;
+        for (word, expected) in [(0, a), (3, b), (6, c)] {
+            assert_eq!(
+                item(answers.vec3(word), i),
+                rounded(expected),
+                "primitive {i}, word {word}"
+            );
+        }
+        let found = [9, 10, 11, 12].map(|word| item(answers.u32(word), i));
+        let light = p.light.unwrap_or(NONE);
+        let expected = [kind, source.material.0, u32::from(p.one_sided), light];
+        assert_eq!(found, expected, "primitive {i}");
+    }
+    assert!(kinds.iter().all(|&n| n >= 2), "{kinds:?}");
+}
+
+#[test]
+fn materials_come_back() {
+    let prepared = every();
+    let body = "let m = fetch_material(item);
+                out_vec3f(0u, m.diffuse); out_vec3f(3u, m.f0); out_f32(6u, m.alpha);";
+    let materials = &prepared.scene.materials;
+    let answers = fetched(&prepared, body, 7, materials.len());
+    for (i, material) in materials.iter().enumerate() {
+        let p = material.bsdf.parameters();
+        let (f0, alpha) = p.specular.map_or((DVec3::ZERO, 0.0), |s| (s.f0, s.alpha));
+        assert_eq!(
+            item(answers.vec3(0), i),
+            rounded(p.diffuse),
+            "{}",
+            material.name
+        );
+        assert_eq!(item(answers.vec3(3), i), rounded(f0), "{}", material.name);
+        assert_eq!(
+            item(answers.f64(6), i) as f32,
+            alpha as f32,
+            "{}",
+            material.name
+        );
+    }
+}
+
+/// Without a microfacet lobe in the scene, its code and its words are left out.
+#[test]
+fn diffuse_materials_have_no_lobe() {
+    let prepared = prepared(floor_pixel());
+    let body = "let m = fetch_material(0u); out_vec3f(0u, m.diffuse); out_vec3f(3u, m.f0); out_f32(6u, m.alpha);";
+    let answers = fetched(&prepared, body, 7, 1);
+    assert_eq!(item(answers.vec3(0), 0), DVec3::splat(0.5));
+    assert_eq!(item(answers.vec3(3), 0), DVec3::ZERO);
+    assert_eq!(item(answers.f64(6), 0), 0.0);
+}
+
+#[test]
+fn lights_come_back() {
+    let prepared = every();
+    let body = "let l = fetch_light(item);
+                out_vec3f(0u, l.a); out_vec3f(3u, l.u); out_vec3f(6u, l.v); out_vec3f(9u, l.radiance);
+                out_u32(12u, l.kind); out_bool(13u, l.two_sided); out_f32(14u, l.selection); out_f32(15u, l.area);";
+    let lights = &prepared.emitters.lights;
+    let answers = fetched(&prepared, body, 16, lights.len());
+    let mut kinds = [0; 8];
+    for (i, light) in lights.iter().enumerate() {
+        let zero = DVec3::ZERO;
+        let along_x = |x: f64| DVec3::new(x, 0.0, 0.0);
+        let (kind, two_sided, area, vectors) = match *light {
+            Emitter::Area {
+                primitive,
+                radiance,
+                two_sided,
+            } => {
+                let geometry = prepared.primitives[primitive as usize].geometry;
+                let (kind, [a, u, v]) = match geometry {
+                    PrimitiveGeometry::Triangle { a, u, v } => (LIGHT_TRIANGLE, [a, u, v]),
+                    PrimitiveGeometry::Rectangle { a, u, v } => (LIGHT_RECTANGLE, [a, u, v]),
+                    PrimitiveGeometry::Disk { a, u, v } => (LIGHT_DISK, [a, u, v]),
+                    PrimitiveGeometry::Sphere { center, radius } => {
+                        (LIGHT_SPHERE, [center, along_x(radius), zero])
+                    }
+                };
+                (kind, two_sided, geometry.area(), [a, u, v, radiance])
+            }
+            Emitter::Delta(Light::Point {
+                position,
+                intensity,
+            }) => (LIGHT_POINT, false, 0.0, [position, zero, zero, intensity]),
+            Emitter::Delta(Light::Spot {
+                position,
+                direction,
+                intensity,
+                inner_angle,
+                outer_angle,
+            }) => {
+                let range = inner_angle.cos() - outer_angle.cos();
+                let cone = DVec3::new(outer_angle.cos(), 1.0 / range, 0.0);
+                (
+                    LIGHT_SPOT,
+                    false,
+                    0.0,
+                    [position, direction, cone, intensity],
+                )
+            }
+            Emitter::Delta(Light::Directional {
+                direction,
+                irradiance,
+            }) => (
+                LIGHT_DIRECTIONAL,
+                false,
+                0.0,
+                [-direction, zero, zero, irradiance],
+            ),
+            Emitter::Environment => (LIGHT_ENVIRONMENT, false, 0.0, [zero; 4]),
+        };
+        kinds[kind as usize] += 1;
+        for (word, expected) in [0, 3, 6, 9].into_iter().zip(vectors) {
+            assert_eq!(
+                item(answers.vec3(word), i),
+                rounded(expected),
+                "light {i}, word {word}"
+            );
+        }
+        let found = [12, 13].map(|word| item(answers.u32(word), i));
+        assert_eq!(found, [kind, u32::from(two_sided)], "light {i}");
+        let numbers = [14, 15].map(|word| item(answers.f64(word), i) as f32);
+        let expected = [prepared.emitters.probability(i) as f32, area as f32];
+        assert_eq!(numbers, expected, "light {i}");
+    }
+    assert_eq!(kinds, [1; 8], "one of each kind");
+}

@@ -1,0 +1,122 @@
+//! A scene with every kind of primitive, material and light.
+
+use super::{floor_pixel, lambert, point_light, shape};
+use direkt::scene::light::Interpolation;
+use direkt::scene::{
+    Bsdf, Emission, Environment, EnvironmentMap, EnvironmentRadiance, Geometry, Light, Material,
+    MaterialId, Mesh, Scene, Shape,
+};
+use glam::{DMat3, DVec3};
+
+/// Every kind of primitive as a light and as a one-sided surface, every kind of light without a surface, and
+/// `environment`. Nothing is parallel to an axis but the floor.
+pub fn every_kind(environment: Environment) -> Scene {
+    let mut scene = floor_pixel();
+    scene.materials = vec![
+        lambert(0.5),
+        Material {
+            name: "conductor".to_owned(),
+            bsdf: Bsdf::Conductor {
+                reflectance: DVec3::new(0.9, 0.7, 0.4),
+                alpha: 0.2,
+            },
+            double_sided: false,
+        },
+        Material {
+            name: "plastic".to_owned(),
+            bsdf: Bsdf::MetallicRoughness {
+                base_color: DVec3::new(0.1, 0.3, 0.6),
+                metallic: 0.25,
+                roughness: 0.4,
+            },
+            double_sided: true,
+        },
+    ];
+    let geometries = |shift: DVec3| {
+        [
+            Geometry::Rectangle {
+                corner: DVec3::new(-3.0, -2.0, 2.0) + shift,
+                u: DVec3::new(0.3, 1.4, 0.1),
+                v: DVec3::new(1.1, 0.2, -0.3),
+            },
+            Geometry::Mesh(Mesh {
+                positions: vec![
+                    DVec3::new(1.0, 0.5, 2.5) + shift,
+                    DVec3::new(1.2, 2.0, 2.2) + shift,
+                    DVec3::new(2.6, 0.7, 2.1) + shift,
+                ],
+                triangles: vec![[0, 1, 2]],
+            }),
+            Geometry::Disk {
+                center: DVec3::new(-1.5, 2.0, 1.8) + shift,
+                u: DVec3::new(0.1, 0.8, 0.2),
+                v: DVec3::new(0.5, 0.1, 0.1),
+            },
+            Geometry::Sphere {
+                center: DVec3::new(1.5, -2.0, 1.7) + shift,
+                radius: 0.6,
+            },
+        ]
+    };
+    for (i, geometry) in (0..).zip(geometries(DVec3::ZERO)) {
+        scene.shapes.push(Shape {
+            name: format!("light {i}"),
+            geometry,
+            material: MaterialId(2),
+            emission: Some(Emission {
+                radiance: DVec3::new(1.0 + f64::from(i), 2.0, 0.5),
+                two_sided: i == 1,
+            }),
+        });
+    }
+    for geometry in geometries(DVec3::new(0.3, 0.4, 3.0)) {
+        scene.shapes.push(Shape {
+            material: MaterialId(1),
+            ..shape("one-sided", geometry)
+        });
+    }
+    scene.lights = vec![
+        point_light(DVec3::new(0.5, 0.3, 1.5), 3.0),
+        Light::Spot {
+            position: DVec3::new(-0.7, -0.5, 2.5),
+            direction: DVec3::new(0.2, 0.1, -1.0).normalize(),
+            intensity: DVec3::new(5.0, 4.0, 3.0),
+            inner_angle: 0.3,
+            outer_angle: 0.7,
+        },
+        Light::Directional {
+            direction: DVec3::new(0.3, -0.4, -1.0).normalize(),
+            irradiance: DVec3::new(1.0, 1.5, 2.0),
+        },
+    ];
+    scene.environment = Some(environment);
+    scene
+}
+
+/// The same radiance from everywhere.
+pub fn constant_environment() -> Environment {
+    Environment {
+        radiance: EnvironmentRadiance::Constant(DVec3::new(0.2, 0.3, 0.5)),
+        rotation: DMat3::IDENTITY,
+        scale: 1.0,
+    }
+}
+
+/// A turned map of 31 × 17 texels between 0.1 and 4.1.
+pub fn environment_map(interpolation: Interpolation) -> Environment {
+    let texel = |i: u32| {
+        let value = 0.1 + (i * 7919 % 401) as f32 / 100.0;
+        [value, 0.5 * value, 0.25 * value + 0.05]
+    };
+    Environment {
+        radiance: EnvironmentRadiance::Map(EnvironmentMap {
+            source: "test".to_owned(),
+            width: 31,
+            height: 17,
+            texels: (0..31 * 17).map(texel).collect(),
+            interpolation,
+        }),
+        rotation: DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 0.5).normalize(), 1.1),
+        scale: 1.5,
+    }
+}
