@@ -25,8 +25,8 @@ fn prepared(scene: &Scene) -> Prepared {
     Prepared::new(scene.clone(), settings.strategy, settings.light_selection)
 }
 
-/// A floor with a microfacet lobe, and a lamp in the mirror direction: in the means of `scenes/`, the few pixels of
-/// narrow lobes do not show swapped sines and cosines.
+/// A floor with a microfacet lobe, and a lamp in the mirror direction: all pixels see a lobe, where those of `scenes/` are
+/// few.
 fn glossy_floor() -> Scene {
     let mut scene = floor_pixel();
     scene.materials[0].bsdf = Bsdf::Conductor {
