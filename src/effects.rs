@@ -6,7 +6,7 @@
 use crate::accel::{Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Emitters};
 use crate::scene::light::Interpolation;
-use crate::scene::{EnvironmentRadiance, Light, Scene, Strategy};
+use crate::scene::{EnvironmentRadiance, Light, Sampler, Scene, Strategy};
 use std::collections::BTreeMap;
 
 macro_rules! effects {
@@ -73,6 +73,12 @@ effects! {
     SampleLights "SAMPLE_LIGHTS" "light-sampling",
     /// Directions are chosen in proportion to the BSDF.
     SampleBsdf "SAMPLE_BSDF" "bsdf-sampling",
+    /// Random numbers on jittered grids.
+    StratifiedSampler "SAMPLER_STRATIFIED" "stratified-sampler",
+    /// Random numbers by Sobol's sequence.
+    SobolSampler "SAMPLER_SOBOL" "sobol-sampler",
+    /// Random numbers by Sobol's sequence, shared by neighbouring pixels.
+    BlueNoiseSampler "SAMPLER_BLUE_NOISE" "blue-noise-sampler",
 }
 
 /// The effects that a render calls for, each with its reason.
@@ -129,6 +135,16 @@ pub fn called_for(
     let reachable = effects.contains(Effect::AreaLights) || effects.contains(Effect::Environment);
     if strategy != Strategy::LightArea && reachable {
         effects.call_for(Effect::SampleBsdf, || format!("strategy {strategy}"));
+    }
+    let sampler = scene.render.sampler;
+    let effect = match sampler {
+        Sampler::Independent => None,
+        Sampler::Stratified => Some(Effect::StratifiedSampler),
+        Sampler::Sobol => Some(Effect::SobolSampler),
+        Sampler::BlueNoise => Some(Effect::BlueNoiseSampler),
+    };
+    if let Some(effect) = effect {
+        effects.call_for(effect, || format!("sampler {sampler}"));
     }
     effects
 }

@@ -89,7 +89,7 @@ fn structs_have_the_same_members() {
         environment_radiance,
         far,
         environment_grid,
-        padding,
+        pattern,
     });
     let dispatch = members!(Dispatch {
         block_start,

@@ -8,7 +8,7 @@ use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
 use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, StopReason};
-use crate::scene::{LightSelection, Scene, Strategy};
+use crate::scene::{LightSelection, Sampler, Scene, Strategy};
 use serde::Serialize;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -91,7 +91,7 @@ struct Report {
     effects: Vec<EffectReport>,
     strategy: Strategy,
     light_selection: LightSelection,
-    sampler: &'static str,
+    sampler: Sampler,
     seed: u32,
     image_mean: [f64; 3],
     image_mean_standard_error: Option<[f64; 3]>,
@@ -216,7 +216,7 @@ fn report(
         effects: effect_reports(prepared),
         strategy: settings.strategy,
         light_selection: settings.light_selection,
-        sampler: "independent",
+        sampler: settings.sampler,
         seed: settings.seed,
         image_mean: film.mean(),
         image_mean_standard_error: film.standard_error_of_mean(),
@@ -279,7 +279,7 @@ fn attributes(report: &Report) -> Vec<(&'static str, String)> {
         ("direkt", report.direkt.to_owned()),
         ("strategy", report.strategy.to_string()),
         ("light_selection", report.light_selection.to_string()),
-        ("sampler", report.sampler.to_owned()),
+        ("sampler", report.sampler.to_string()),
     ]
 }
 

@@ -48,8 +48,8 @@ pub struct Frame {
     pub far: f32,
     /// Cells of the environment's sampling grid per row and column.
     pub environment_grid: [u32; 2],
-    /// Unused.
-    pub padding: [u32; 2],
+    /// Of the sampler: logarithms of the jittered grid's columns and rows, or of the samples per pixel.
+    pub pattern: [u32; 2],
 }
 
 /// `Dispatch` of `shaders/types.wesl`: what changes from dispatch to dispatch.

@@ -275,6 +275,7 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
         grid_scale: prepared.bvh.grid_scale.to_array(),
         light_count: prepared.emitters.lights.len() as u32,
         far: 4.0,
+        pattern: prepared.pattern(),
         ..Frame::default()
     };
     if let Some(environment) = &prepared.scene.environment {

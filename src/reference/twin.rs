@@ -30,6 +30,9 @@ pub const SUPPORTED: &[Effect] = &[
     Effect::LightChoice,
     Effect::SampleLights,
     Effect::SampleBsdf,
+    Effect::StratifiedSampler,
+    Effect::SobolSampler,
+    Effect::BlueNoiseSampler,
 ];
 
 /// The scene calls for an effect that the reference does not simulate.

@@ -50,4 +50,10 @@ impl Prepared {
     pub fn stack_depth(&self) -> u32 {
         (self.bvh.depth.max(1) as u32).next_multiple_of(4)
     }
+
+    /// What the sampler's pattern is made for; see [`Sampler::pattern`](crate::scene::Sampler::pattern).
+    pub fn pattern(&self) -> [u32; 2] {
+        let settings = self.scene.render;
+        settings.sampler.pattern(settings.spp)
+    }
 }

@@ -51,6 +51,53 @@ pub enum LightSelection {
     Power,
 }
 
+/// How random numbers are made.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    Default,
+    Serialize,
+    Deserialize,
+    JsonSchema,
+    clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sampler {
+    /// Each number by itself.
+    #[default]
+    Independent,
+    /// Pairs of dimensions on a jittered grid for every pixel.
+    Stratified,
+    /// Pairs of dimensions by Sobol's sequence with Owen's scrambling, one for every pixel (Burley 2020).
+    Sobol,
+    /// As `sobol`, with one sequence for all pixels along a Z-shaped curve, so that the errors of neighbouring pixels
+    /// differ (Ahmed & Wonka 2020).
+    BlueNoise,
+}
+
+impl Sampler {
+    /// Numbers that the sampler's pattern is made for, for `spp` samples per pixel: of the jittered grid the logarithms of
+    /// its columns and rows, of blue noise that of the samples per pixel.
+    pub fn pattern(self, spp: u64) -> [u32; 2] {
+        // Larger patterns gain little, and smaller ones can be gone through again; without a number of samples, as when
+        // time alone decides, a medium one serves.
+        let samples = if spp > MAX_PATTERN { 64 } else { spp };
+        let bits = samples.next_power_of_two().ilog2();
+        match self {
+            Self::Independent | Self::Sobol => [0, 0],
+            Self::Stratified => [bits.div_ceil(2), bits / 2],
+            Self::BlueNoise => [bits, 0],
+        }
+    }
+}
+
+/// Samples per pixel of the largest pattern.
+const MAX_PATTERN: u64 = 1 << 16;
+
 /// How to render.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -59,6 +106,8 @@ pub struct RenderSettings {
     pub strategy: Strategy,
     /// How one of several lights is chosen.
     pub light_selection: LightSelection,
+    /// How random numbers are made.
+    pub sampler: Sampler,
     /// Samples per pixel, at least 1.
     pub spp: u64,
     /// Seconds of rendering after which it ends, even with fewer samples; none: `spp` alone decides.
@@ -72,6 +121,7 @@ impl Default for RenderSettings {
         Self {
             strategy: Strategy::default(),
             light_selection: LightSelection::default(),
+            sampler: Sampler::default(),
             spp: 64,
             time: None,
             seed: 0,
@@ -95,5 +145,31 @@ impl std::fmt::Display for LightSelection {
             Self::Uniform => "uniform",
             Self::Power => "power",
         })
+    }
+}
+
+impl std::fmt::Display for Sampler {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Independent => "independent",
+            Self::Stratified => "stratified",
+            Self::Sobol => "sobol",
+            Self::BlueNoise => "blue-noise",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_hold_the_samples() {
+        assert_eq!(Sampler::Stratified.pattern(64), [3, 3]);
+        assert_eq!(Sampler::Stratified.pattern(65), [4, 3]);
+        assert_eq!(Sampler::Stratified.pattern(1), [0, 0]);
+        assert_eq!(Sampler::BlueNoise.pattern(16), [4, 0]);
+        assert_eq!(Sampler::BlueNoise.pattern(u64::MAX), [6, 0]);
+        assert_eq!(Sampler::Sobol.pattern(1024), [0, 0]);
     }
 }

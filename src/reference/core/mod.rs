@@ -9,3 +9,5 @@ pub mod ray_planar;
 pub mod ray_sphere;
 pub mod rng;
 pub mod sampler;
+pub mod sobol;
+pub mod stratified;

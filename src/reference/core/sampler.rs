@@ -1,10 +1,13 @@
 //! Which random number goes where; see `shaders/core/sampler.wesl`.
 
 use super::rng::pcg4d;
+use super::sobol::sobol_2d;
+use super::stratified::stratified_2d;
+use crate::scene::Sampler;
 
 /// Film x, film y, lens x, lens y.
 pub const GROUP_FILM: u32 = 0;
-/// Light choice, light point x, light point y, lobe.
+/// Light point x, light point y, light choice, lobe.
 pub const GROUP_LIGHT: u32 = 1;
 /// Direction x, direction y, environment texel, –.
 pub const GROUP_DIRECTION: u32 = 2;
@@ -20,7 +23,63 @@ pub struct SampleId {
     pub seed: u32,
 }
 
-/// The four random words of a group of dimensions.
+/// A sampler with its pattern.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Numbers {
+    /// How numbers are made.
+    pub sampler: Sampler,
+    /// See [`Sampler::pattern`].
+    pub pattern: [u32; 2],
+    /// Pixels per row.
+    pub width: u32,
+}
+
+impl Numbers {
+    /// The four random words of a group of dimensions.
+    pub fn group(&self, id: SampleId, group: u32) -> [u32; 4] {
+        if self.sampler == Sampler::Independent {
+            return random_group(id, group);
+        }
+        let [a, b] = self.pair(id, 2 * group);
+        let [c, d] = self.pair(id, 2 * group + 1);
+        [a, b, c, d]
+    }
+
+    /// Two dimensions that are stratified together.
+    fn pair(&self, id: SampleId, pair: u32) -> [u32; 2] {
+        let (low, high) = (id.index as u32, (id.index >> 32) as u32);
+        let later = high.wrapping_mul(0x85eb_ca6b);
+        let three = |[a, b, c, _]: [u32; 4]| [a, b, c];
+        match self.sampler {
+            Sampler::Sobol => sobol_2d(low, three(pcg4d([id.pixel, high, pair, id.seed]))),
+            Sampler::BlueNoise => {
+                let bits = self.pattern[0];
+                let place = morton(id.pixel % self.width, id.pixel / self.width);
+                let index = (place << bits) | (low & ((1 << bits) - 1));
+                let sequence = (low >> bits).wrapping_add(later);
+                let block = place.checked_shr(32 - bits).unwrap_or(0);
+                sobol_2d(index, three(pcg4d([sequence, block, pair, id.seed])))
+            }
+            Sampler::Stratified | Sampler::Independent => {
+                let bits = self.pattern[0] + self.pattern[1];
+                let grid = (low >> bits).wrapping_add(later);
+                let seed = pcg4d([id.pixel, grid, pair, id.seed])[0];
+                let apart = high.wrapping_add(pair.wrapping_mul(0x9e37_79b9));
+                let [x, y, ..] = pcg4d([id.pixel, low, apart, !id.seed]);
+                stratified_2d(low, self.pattern, seed, [x, y])
+            }
+        }
+    }
+}
+
+/// The lower 16 bits of both coordinates in turn, x lowest.
+pub fn morton(x: u32, y: u32) -> u32 {
+    (0..16).fold(0, |m, bit| {
+        m | (x >> bit & 1) << (2 * bit) | (y >> bit & 1) << (2 * bit + 1)
+    })
+}
+
+/// The four random words of a group of dimensions, each by itself.
 pub fn random_group(id: SampleId, group: u32) -> [u32; 4] {
     let (low, high) = (id.index as u32, (id.index >> 32) as u32);
     let group = group.wrapping_mul(0x9e37_79b9);

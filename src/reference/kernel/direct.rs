@@ -15,7 +15,7 @@ use crate::reference::core::pdf::{PdfSolidAngle, power_heuristic};
 use crate::reference::core::ray::Ray;
 use crate::reference::core::rng::{to_unit, to_unit_2d};
 use crate::reference::core::sampler::{
-    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, SampleId, random_group,
+    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, Numbers, SampleId,
 };
 use crate::reference::light::light::{
     LightSample, choose_light, emitted_radiance, environment_cell_margin, environment_radiance,
@@ -117,6 +117,7 @@ pub struct Direct<'a> {
     world: World<'a>,
     size: FilmSize,
     seed: u32,
+    numbers: Numbers,
     sample_lights: bool,
     sample_bsdf: bool,
     broken: Option<BrokenTwin>,
@@ -138,6 +139,11 @@ impl<'a> Direct<'a> {
             world: World::new(prepared),
             size,
             seed,
+            numbers: Numbers {
+                sampler: prepared.scene.render.sampler,
+                pattern: prepared.pattern(),
+                width: size.width,
+            },
             sample_lights: prepared.effects.contains(Effect::SampleLights),
             sample_bsdf: prepared.effects.contains(Effect::SampleBsdf),
             broken,
@@ -158,7 +164,7 @@ impl<'a> Direct<'a> {
 
     /// The ray of sample `index` of the pixel (x, y).
     pub fn camera_ray(&self, x: u32, y: u32, index: u64) -> Ray {
-        let film = random_group(self.id(x, y, index), GROUP_FILM);
+        let film = self.numbers.group(self.id(x, y, index), GROUP_FILM);
         let corner = DVec2::new(f64::from(x), f64::from(y));
         camera_ray(
             &self.world,
@@ -189,8 +195,8 @@ impl<'a> Direct<'a> {
             sample.radiance += emitted_radiance(&self.world, light, s.front);
         }
         let id = self.id(x, y, index);
-        let light_words = random_group(id, GROUP_LIGHT);
-        let direction_words = random_group(id, GROUP_DIRECTION);
+        let light_words = self.numbers.group(id, GROUP_LIGHT);
+        let direction_words = self.numbers.group(id, GROUP_DIRECTION);
         sample.conditions.normal_rounding = self.normal_rounding(hit.primitive);
         sample.conditions.alpha = s.material.specular.map(|lobe| lobe.alpha);
         if self.sample_lights {
@@ -223,11 +229,11 @@ impl<'a> Direct<'a> {
 
     /// A sample of a light, with the mistakes of a broken twin.
     fn sample_light(&self, s: &Surface, words: [u32; 4], texel: u32) -> Option<LightSample> {
-        let choice = choose_light(&self.world, words[0])?;
+        let choice = choose_light(&self.world, words[2])?;
         if self.broken == Some(BrokenTwin::LightLeftOut) && choice.index == self.left_out {
             return None;
         }
-        let u = to_unit_2d(words[1], words[2]);
+        let u = to_unit_2d(words[0], words[1]);
         let mut light = sample_chosen_light(&self.world, choice, s.position, u, texel);
         if self.broken.is_some() && !light.delta && light.pdf.0 > 0.0 {
             let pdf = BrokenTwin::measure(

@@ -13,7 +13,8 @@ const GROUPS: [u32; 3] = [GROUP_FILM, GROUP_LIGHT, GROUP_DIRECTION];
 
 const RANDOM_GROUP: Function<'_> = Function {
     imports: "import package::core::sampler::{SampleId, random_group};",
-    body: "let name = SampleId(in_u32(0u), vec2u(in_u32(1u), in_u32(2u)), in_u32(3u));
+    body:
+        "let name = SampleId(in_u32(0u), vec2u(in_u32(1u), in_u32(2u)), in_u32(3u), 1u, vec2u(0u));
            let words = random_group(name, in_u32(4u));
            out_u32(0u, words.x);
            out_u32(1u, words.y);
@@ -139,7 +140,7 @@ fn groups_have_the_twins_numbers() {
 /// Sample `item` of a render in its `group`, with `change` made to its id: four words.
 fn samples(id: &str, group: u32) -> Vec<Vec<f64>> {
     let body = format!(
-        "let words = random_group(SampleId({id}), {group}u);
+        "let words = random_group(SampleId({id}, 1u, vec2u(0u)), {group}u);
          out_u32(0u, words.x);
          out_u32(1u, words.y);
          out_u32(2u, words.z);
