@@ -6,7 +6,7 @@
 use crate::accel::{Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Emitters};
 use crate::scene::light::Interpolation;
-use crate::scene::{EnvironmentRadiance, Light, Sampler, Scene, Strategy};
+use crate::scene::{EnvironmentRadiance, Light, LightSampling, Sampler, Scene, Strategy};
 use std::collections::BTreeMap;
 
 macro_rules! effects {
@@ -73,12 +73,38 @@ effects! {
     SampleLights "SAMPLE_LIGHTS" "light-sampling",
     /// Directions are chosen in proportion to the BSDF.
     SampleBsdf "SAMPLE_BSDF" "bsdf-sampling",
+    /// Directions are chosen uniformly over the hemisphere.
+    UniformHemisphere "HEMISPHERE_UNIFORM" "uniform-hemisphere",
+    /// Directions are chosen in proportion to the cosine.
+    CosineHemisphere "HEMISPHERE_COSINE" "cosine-hemisphere",
+    /// Lights are sampled over the solid angle in which they are seen.
+    SolidAngleLights "LIGHT_SOLID_ANGLE" "solid-angle-sampling",
+    /// Strategies are weighted by the balance heuristic.
+    BalanceHeuristic "MIS_BALANCE" "balance-heuristic",
     /// Random numbers on jittered grids.
     StratifiedSampler "SAMPLER_STRATIFIED" "stratified-sampler",
     /// Random numbers by Sobol's sequence.
     SobolSampler "SAMPLER_SOBOL" "sobol-sampler",
     /// Random numbers by Sobol's sequence, shared by neighbouring pixels.
     BlueNoiseSampler "SAMPLER_BLUE_NOISE" "blue-noise-sampler",
+}
+
+impl Effect {
+    /// Whether it is a way of sampling: compiled in without need it changes the image's noise.
+    pub fn is_way_of_sampling(self) -> bool {
+        matches!(
+            self,
+            Self::SampleLights
+                | Self::SampleBsdf
+                | Self::UniformHemisphere
+                | Self::CosineHemisphere
+                | Self::SolidAngleLights
+                | Self::BalanceHeuristic
+                | Self::StratifiedSampler
+                | Self::SobolSampler
+                | Self::BlueNoiseSampler
+        )
+    }
 }
 
 /// The effects that a render calls for, each with its reason.
@@ -125,17 +151,15 @@ pub fn called_for(
         if lights > 1 {
             effects.call_for(Effect::LightChoice, || format!("{lights} lights"));
         }
-        effects.call_for(Effect::SampleLights, || match strategy {
-            Strategy::Bsdf => {
-                "lights without a surface, which BSDF sampling cannot reach".to_owned()
+        effects.call_for(Effect::SampleLights, || {
+            if strategy.samples_lights() {
+                format!("strategy {strategy}")
+            } else {
+                "lights without a surface, which no other strategy reaches".to_owned()
             }
-            other => format!("strategy {other}"),
         });
     }
-    let reachable = effects.contains(Effect::AreaLights) || effects.contains(Effect::Environment);
-    if strategy != Strategy::LightArea && reachable {
-        effects.call_for(Effect::SampleBsdf, || format!("strategy {strategy}"));
-    }
+    of_strategy(&mut effects, strategy, scene.render.light_sampling);
     let sampler = scene.render.sampler;
     let effect = match sampler {
         Sampler::Independent => None,
@@ -147,6 +171,31 @@ pub fn called_for(
         effects.call_for(effect, || format!("sampler {sampler}"));
     }
     effects
+}
+
+fn of_strategy(effects: &mut Effects, strategy: Strategy, light_sampling: LightSampling) {
+    let reason = || format!("strategy {strategy}");
+    let reachable = effects.contains(Effect::AreaLights) || effects.contains(Effect::Environment);
+    if strategy.samples_directions() && reachable {
+        effects.call_for(Effect::SampleBsdf, reason);
+        match strategy {
+            Strategy::UniformHemisphere => effects.call_for(Effect::UniformHemisphere, reason),
+            Strategy::CosineHemisphere => effects.call_for(Effect::CosineHemisphere, reason),
+            Strategy::MisBalance => effects.call_for(Effect::BalanceHeuristic, reason),
+            _ => {}
+        }
+    }
+    let area_lights =
+        effects.contains(Effect::PlanarLights) || effects.contains(Effect::SphereLights);
+    let mis = strategy.samples_directions();
+    if area_lights && mis && light_sampling == LightSampling::SolidAngle {
+        effects.call_for(Effect::SolidAngleLights, || {
+            "light_sampling = \"solid-angle\"".to_owned()
+        });
+    }
+    if area_lights && strategy == Strategy::LightSolidAngle {
+        effects.call_for(Effect::SolidAngleLights, reason);
+    }
 }
 
 fn of_surfaces(effects: &mut Effects, scene: &Scene, primitives: &[Primitive]) {

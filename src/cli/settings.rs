@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::scene::load::{LoadOptions, load};
-use crate::scene::{FilmSize, LightSelection, Sampler, Scene, Strategy, validate};
+use crate::scene::{FilmSize, LightSampling, LightSelection, Sampler, Scene, Strategy, validate};
 use std::path::PathBuf;
 
 /// The scene file.
@@ -44,6 +44,9 @@ pub struct EstimatorArguments {
     /// How one of several lights is chosen
     #[arg(long, value_enum)]
     light_selection: Option<LightSelection>,
+    /// How a point of a chosen light is chosen by the MIS strategies
+    #[arg(long, value_enum)]
+    light_sampling: Option<LightSampling>,
     /// How random numbers are made
     #[arg(long, value_enum)]
     sampler: Option<Sampler>,
@@ -59,6 +62,7 @@ impl EstimatorArguments {
         render.seed = self.seed.unwrap_or(render.seed);
         render.strategy = self.strategy.unwrap_or(render.strategy);
         render.light_selection = self.light_selection.unwrap_or(render.light_selection);
+        render.light_sampling = self.light_sampling.unwrap_or(render.light_sampling);
         render.sampler = self.sampler.unwrap_or(render.sampler);
         if let Some(size) = self.size.filter(|&size| size != scene.film) {
             scene.film = size;

@@ -1,6 +1,6 @@
 //! Why a sample differs, as far as its conditions tell.
 
-use crate::reference::{Conditions, Sample, Shadow};
+use crate::reference::Sample;
 
 /// Differences below this need no reason: a few hundred roundings of an f32.
 const UNREMARKABLE: f64 = 1e-4;
@@ -25,8 +25,7 @@ pub(super) fn cause(sample: &Sample, difference: f64, flip: bool) -> String {
     if difference < UNREMARKABLE {
         return "rounding in f32".to_owned();
     }
-    let by_light = sample.path.shadow == Shadow::Clear;
-    let largest = mechanisms(&sample.conditions, by_light)
+    let largest = mechanisms(sample)
         .into_iter()
         .max_by(|a, b| a.predicted.total_cmp(&b.predicted))
         .filter(|m| m.predicted > ROUGH * difference);
@@ -36,23 +35,27 @@ pub(super) fn cause(sample: &Sample, difference: f64, flip: bool) -> String {
     )
 }
 
-fn mechanisms(c: &Conditions, by_light: bool) -> Vec<Mechanism> {
+fn mechanisms(sample: &Sample) -> Vec<Mechanism> {
+    let c = &sample.conditions;
     let angle = ROUNDING + c.normal_rounding;
-    let (at_light, at_surface) = if by_light {
-        (c.light_cos_light, c.light_cos_surface)
-    } else {
-        (c.bsdf_cos_light, c.bsdf_cos_surface)
-    };
-    let mut found = vec![
-        Mechanism {
-            predicted: ROUNDING / at_light.abs(),
+    let mut found = Vec::new();
+    let mut add = |at_light: f64, at_surface: f64, curvature: f64| {
+        found.push(Mechanism {
+            predicted: (ROUNDING / at_light.abs())
+                .max(ROUNDING * curvature / (at_light * at_light)),
             sentence: format!("the light is seen edge-on (cosine {at_light:.1e})"),
-        },
-        Mechanism {
+        });
+        found.push(Mechanism {
             predicted: angle / at_surface.abs(),
             sentence: format!("the light lies at the surface's horizon (cosine {at_surface:.1e})"),
-        },
-    ];
+        });
+    };
+    if sample.by_light.max_element() > 0.0 {
+        add(c.light_cos_light, c.light_cos_surface, 0.0);
+    }
+    if sample.by_bsdf.max_element() > 0.0 {
+        add(c.bsdf_cos_light, c.bsdf_cos_surface, c.bsdf_light_curvature);
+    }
     if let Some(alpha) = c.alpha {
         found.push(Mechanism {
             // d ln D / dθ of GGX is largest near tanθ = α: about 2/α.

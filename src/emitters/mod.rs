@@ -53,8 +53,7 @@ pub fn is_lit(rgb: DVec3) -> bool {
 impl Emitters {
     /// Lists the lights of `scene`, whose primitives are `primitives`.
     ///
-    /// With [`Strategy::Bsdf`] only lights without a surface are ever chosen: the others are reached by sampling the
-    /// BSDF.
+    /// With strategies that do not sample lights only those without a surface are ever chosen: nothing else reaches them.
     pub fn new(
         scene: &Scene,
         normalization: &Normalization,
@@ -101,7 +100,7 @@ impl Emitters {
             .iter()
             .zip(&power)
             .map(|(light, &power)| match (strategy, light, selection) {
-                (Strategy::Bsdf, Emitter::Area { .. } | Emitter::Environment, _) => 0.0,
+                (s, Emitter::Area { .. } | Emitter::Environment, _) if !s.samples_lights() => 0.0,
                 (_, _, LightSelection::Uniform) => 1.0,
                 (_, _, LightSelection::Power) => power,
             })

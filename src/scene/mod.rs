@@ -20,7 +20,7 @@ pub use expect::{Expect, ExpectedRadiance};
 pub use ids::{MaterialId, ShapeId};
 pub use light::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
 pub use material::{Bsdf, Material};
-pub use settings::{LightSelection, RenderSettings, Sampler, Strategy};
+pub use settings::{LightSampling, LightSelection, RenderSettings, Sampler, Strategy};
 pub use shape::{Emission, Geometry, Mesh, Shape};
 
 /// Everything that is rendered, in world space and f64.

@@ -19,13 +19,67 @@ use serde::{Deserialize, Serialize};
 )]
 #[serde(rename_all = "kebab-case")]
 pub enum Strategy {
+    /// Uniformly over the hemisphere. With this and the next two, lights without a surface are sampled directly, as
+    /// nothing else reaches them.
+    UniformHemisphere,
+    /// In proportion to the cosine.
+    CosineHemisphere,
+    /// In proportion to the BSDF.
+    Bsdf,
     /// Uniformly on the surface of a chosen light.
     LightArea,
-    /// In proportion to the BSDF. Lights without a surface are sampled directly, as nothing else reaches them.
-    Bsdf,
-    /// Both, weighted by the power heuristic (Veach 1997, eq. 9.26, β = 2).
+    /// Uniformly over the solid angle in which a chosen light is seen.
+    LightSolidAngle,
+    /// By lights and by the BSDF, weighted by the balance heuristic (Veach 1997, eq. 9.11).
+    MisBalance,
+    /// By lights and by the BSDF, weighted by the power heuristic (Veach 1997, eq. 9.26, β = 2).
     #[default]
     MisPower,
+}
+
+impl Strategy {
+    /// Whether lights with a surface and the environment are sampled.
+    pub fn samples_lights(self) -> bool {
+        match self {
+            Self::UniformHemisphere | Self::CosineHemisphere | Self::Bsdf => false,
+            Self::LightArea | Self::LightSolidAngle | Self::MisBalance | Self::MisPower => true,
+        }
+    }
+
+    /// Whether directions are chosen without regard to lights.
+    pub fn samples_directions(self) -> bool {
+        match self {
+            Self::LightArea | Self::LightSolidAngle => false,
+            Self::UniformHemisphere
+            | Self::CosineHemisphere
+            | Self::Bsdf
+            | Self::MisBalance
+            | Self::MisPower => true,
+        }
+    }
+}
+
+/// How a point of a light with a surface is chosen by the strategies `mis-balance` and `mis-power`.
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Hash,
+    Default,
+    Serialize,
+    Deserialize,
+    JsonSchema,
+    clap::ValueEnum,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightSampling {
+    /// Uniformly over its area.
+    #[default]
+    Area,
+    /// Uniformly over the solid angle in which it is seen.
+    SolidAngle,
 }
 
 /// How one of several lights is chosen.
@@ -106,6 +160,8 @@ pub struct RenderSettings {
     pub strategy: Strategy,
     /// How one of several lights is chosen.
     pub light_selection: LightSelection,
+    /// How a point of a chosen light is chosen, where the strategy does not say.
+    pub light_sampling: LightSampling,
     /// How random numbers are made.
     pub sampler: Sampler,
     /// Samples per pixel, at least 1.
@@ -121,6 +177,7 @@ impl Default for RenderSettings {
         Self {
             strategy: Strategy::default(),
             light_selection: LightSelection::default(),
+            light_sampling: LightSampling::default(),
             sampler: Sampler::default(),
             spp: 64,
             time: None,
@@ -132,8 +189,12 @@ impl Default for RenderSettings {
 impl std::fmt::Display for Strategy {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Self::LightArea => "light-area",
+            Self::UniformHemisphere => "uniform-hemisphere",
+            Self::CosineHemisphere => "cosine-hemisphere",
             Self::Bsdf => "bsdf",
+            Self::LightArea => "light-area",
+            Self::LightSolidAngle => "light-solid-angle",
+            Self::MisBalance => "mis-balance",
             Self::MisPower => "mis-power",
         })
     }

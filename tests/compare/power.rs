@@ -1,7 +1,7 @@
 //! Every broken twin is found out, and every part of the comparison finds some.
 
 use super::compared;
-use crate::support::{STRATEGIES, own_scenes, scene};
+use crate::support::{KINDS_OF_STRATEGIES, own_scenes, scene};
 use direkt::compare::Comparison;
 use direkt::reference::broken::BROKEN_TWINS;
 use direkt::render::Prepared;
@@ -30,7 +30,7 @@ impl Found {
 fn cases() -> Vec<(String, Scene, Strategy, u32)> {
     let own = own_scenes();
     let all = own.into_iter().flat_map(|(name, scene)| {
-        STRATEGIES.map(|strategy| (name.clone(), scene.clone(), strategy, 1 << 12))
+        KINDS_OF_STRATEGIES.map(|strategy| (name.clone(), scene.clone(), strategy, 1 << 12))
     });
     let quiet = ["scenes/veach.toml", "scenes/tests/square_parallel.toml"];
     let quiet = quiet.map(|path| (path.to_owned(), scene(path), Strategy::MisPower, 1 << 14));

@@ -4,7 +4,7 @@
 //! weight. Pairs of different strategies are not: BSDF sampling that has not met a small light yet is dark in all its
 //! samples. Pixels of different strategies are therefore compared through their twins.
 
-use crate::support::{STRATEGIES, context, own_scenes, statistics};
+use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes, statistics};
 use direkt::compare::per_pixel::{Accumulator, PerPixel};
 use direkt::compare::whole_image::WholeImage;
 use direkt::gpu::recorder::Recorder;
@@ -39,7 +39,7 @@ fn pixels_and_means_are_the_twins() {
     // Per mistake the smallest p-values over all scenes and strategies: some show in few.
     let mut smallest = BTreeMap::new();
     for (name, scene) in own_scenes() {
-        for strategy in STRATEGIES {
+        for strategy in KINDS_OF_STRATEGIES {
             let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
             let recorder = Recorder::new(&context, &prepared, FILM, 60).unwrap();
             let records: Vec<_> = (0..SAMPLES).map(|i| recorder.samples(i).unwrap()).collect();

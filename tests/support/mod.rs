@@ -20,7 +20,19 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 
 /// All strategies.
-pub const STRATEGIES: [Strategy; 3] = [Strategy::LightArea, Strategy::Bsdf, Strategy::MisPower];
+pub const STRATEGIES: [Strategy; 7] = [
+    Strategy::UniformHemisphere,
+    Strategy::CosineHemisphere,
+    Strategy::Bsdf,
+    Strategy::LightArea,
+    Strategy::LightSolidAngle,
+    Strategy::MisBalance,
+    Strategy::MisPower,
+];
+
+/// One of each kind, where all would take long.
+pub const KINDS_OF_STRATEGIES: [Strategy; 3] =
+    [Strategy::LightArea, Strategy::Bsdf, Strategy::MisPower];
 
 /// The adapter under test. No adapter is a failure.
 pub fn context() -> Context {

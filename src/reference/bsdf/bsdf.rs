@@ -2,7 +2,7 @@
 //! f_r = (1 − F) diffuse/π + F·D·G2 / (4 cosθ_i cosθ_o).
 
 use super::ggx::{eval_ggx, fresnel_schlick, pdf_ggx, sample_ggx_visible_normal};
-use super::lambert::{eval_lambert, pdf_lambert, sample_lambert};
+use super::lambert::{eval_lambert, pdf_lambert, sample_lambert, sample_uniform_hemisphere};
 use crate::reference::core::math::luminance;
 use crate::reference::core::pdf::PdfSolidAngle;
 use crate::scene::material::{BsdfParameters, SpecularLobe};
@@ -86,5 +86,34 @@ pub fn sample_bsdf(m: &BsdfParameters, wo: DVec3, lobe: f64, u: DVec2) -> BsdfSa
         weight,
         pdf: value.pdf,
         specular: specular.is_some(),
+    }
+}
+
+/// Directions that are chosen without regard to the BSDF.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hemisphere {
+    /// Uniformly.
+    Uniform,
+    /// In proportion to the cosine.
+    Cosine,
+}
+
+/// A direction chosen without regard to the BSDF, with its value.
+pub fn sample_hemisphere(m: &BsdfParameters, wo: DVec3, how: Hemisphere, u: DVec2) -> BsdfSample {
+    let (wi, pdf) = match how {
+        Hemisphere::Uniform => {
+            let pdf = PdfSolidAngle(1.0 / std::f64::consts::TAU);
+            (sample_uniform_hemisphere(u), pdf)
+        }
+        Hemisphere::Cosine => {
+            let wi = sample_lambert(u);
+            (wi, pdf_lambert(wi.z))
+        }
+    };
+    BsdfSample {
+        wi,
+        weight: eval_bsdf(m, wi, wo).f_cos / pdf.0.max(1e-20),
+        pdf,
+        specular: false,
     }
 }

@@ -1,5 +1,6 @@
 //! Ideal diffuse reflection, in the local frame: f_r = albedo / π.
 
+use crate::reference::core::math::sin_cos_two_pi;
 use crate::reference::core::pdf::PdfSolidAngle;
 use crate::reference::light::disk::sample_disk_area;
 use glam::{DVec2, DVec3};
@@ -9,6 +10,13 @@ use std::f64::consts::FRAC_1_PI;
 pub fn sample_lambert(u: DVec2) -> DVec3 {
     let p = sample_disk_area(u);
     p.extend((1.0 - p.length_squared()).max(0.0).sqrt())
+}
+
+/// A direction with density 1/2π.
+pub fn sample_uniform_hemisphere(u: DVec2) -> DVec3 {
+    let sc = sin_cos_two_pi(u.y);
+    let r = (u.x * (2.0 - u.x)).sqrt();
+    DVec3::new(r * sc.y, r * sc.x, 1.0 - u.x)
 }
 
 /// Density of [`sample_lambert`] at cosine `cos_i`; 0 below the horizon.

@@ -32,3 +32,13 @@ pub fn power_heuristic(a: PdfSolidAngle, b: PdfSolidAngle) -> f64 {
     let (a, b) = (a.0 / larger, b.0 / larger);
     a * a / (a * a + b * b)
 }
+
+/// The same with exponent 1: a / (a + b) (Veach 1997, eq. 9.11, the balance heuristic).
+pub fn balance_heuristic(a: PdfSolidAngle, b: PdfSolidAngle) -> f64 {
+    let larger = a.0.max(b.0);
+    if larger <= 0.0 {
+        return 0.0;
+    }
+    let (a, b) = (a.0 / larger, b.0 / larger);
+    a / (a + b)
+}

@@ -8,18 +8,21 @@ use super::camera::camera_ray;
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
 use crate::reference::broken::BrokenTwin;
-use crate::reference::bsdf::bsdf::{eval_bsdf, sample_bsdf};
+use crate::reference::bsdf::bsdf::{
+    BsdfSample, Hemisphere, eval_bsdf, sample_bsdf, sample_hemisphere,
+};
 use crate::reference::core::frame::{to_local, to_world};
 use crate::reference::core::math::max_abs;
-use crate::reference::core::pdf::{PdfSolidAngle, power_heuristic};
+use crate::reference::core::pdf::{PdfSolidAngle, balance_heuristic, power_heuristic};
 use crate::reference::core::ray::Ray;
 use crate::reference::core::rng::{to_unit, to_unit_2d};
 use crate::reference::core::sampler::{
     GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, Numbers, SampleId,
 };
+use crate::reference::light::area_light::{LightSample, pdf_area_light, pdf_light_area};
 use crate::reference::light::light::{
-    LightSample, choose_light, emitted_radiance, environment_cell_margin, environment_radiance,
-    pdf_area_light, pdf_environment, pdf_light_area, sample_chosen_light,
+    choose_light, emitted_radiance, environment_cell_margin, environment_radiance, pdf_environment,
+    sample_chosen_light,
 };
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::surface::{Surface, surface_at};
@@ -74,6 +77,9 @@ pub struct Conditions {
     pub bsdf_cos_surface: f64,
     /// Cosine at the light that it met.
     pub bsdf_cos_light: f64,
+    /// Distance to that light over its radius where it is a sphere, else 0: an angle moves the cosine by so much over
+    /// the cosine itself.
+    pub bsdf_light_curvature: f64,
     /// GGX width of the surface.
     pub alpha: Option<f64>,
     /// Angle by which rounding its vertices to f32 turns the surface's normal.
@@ -89,6 +95,7 @@ impl Default for Conditions {
             light_cos_light: 1.0,
             bsdf_cos_surface: 1.0,
             bsdf_cos_light: 1.0,
+            bsdf_light_curvature: 0.0,
             alpha: None,
             normal_rounding: 0.0,
             cell_margin: std::f64::consts::PI,
@@ -120,6 +127,8 @@ pub struct Direct<'a> {
     numbers: Numbers,
     sample_lights: bool,
     sample_bsdf: bool,
+    hemisphere: Option<Hemisphere>,
+    balance: bool,
     broken: Option<BrokenTwin>,
     left_out: u32,
 }
@@ -146,6 +155,8 @@ impl<'a> Direct<'a> {
             },
             sample_lights: prepared.effects.contains(Effect::SampleLights),
             sample_bsdf: prepared.effects.contains(Effect::SampleBsdf),
+            hemisphere: hemisphere(prepared),
+            balance: prepared.effects.contains(Effect::BalanceHeuristic),
             broken,
             left_out: likeliest.unwrap_or(u32::MAX),
         }
@@ -251,6 +262,23 @@ impl<'a> Direct<'a> {
         Some(light)
     }
 
+    /// Weight of the strategy with density `a` when `b` could have made the same sample.
+    fn mis_weight(&self, a: PdfSolidAngle, b: PdfSolidAngle) -> f64 {
+        if self.balance {
+            balance_heuristic(a, b)
+        } else {
+            power_heuristic(a, b)
+        }
+    }
+
+    /// A direction from a surface, without regard to lights.
+    fn choose_direction(&self, s: &Surface, lobe: f64, u: DVec2) -> BsdfSample {
+        match self.hemisphere {
+            Some(how) => sample_hemisphere(&s.material, s.wo, how, u),
+            None => sample_bsdf(&s.material, s.wo, lobe, u),
+        }
+    }
+
     /// L_i f_r cosθ / p(light, ω_i), where ω_i is chosen by light sampling.
     fn estimate_by_light(
         &self,
@@ -270,7 +298,7 @@ impl<'a> Direct<'a> {
         let mut contribution = f_cos * light.radiance_over_pdf;
         if self.sample_bsdf && !light.delta {
             let pdf_bsdf = BrokenTwin::density(self.broken, f.pdf);
-            let weight = power_heuristic(light.pdf, pdf_bsdf);
+            let weight = self.mis_weight(light.pdf, pdf_bsdf);
             contribution *= BrokenTwin::weight(self.broken, weight);
         }
         if contribution.max_element() <= 0.0 {
@@ -297,7 +325,7 @@ impl<'a> Direct<'a> {
         sample: &mut Sample,
     ) -> DVec3 {
         let u = to_unit_2d(words[0], words[1]);
-        let chosen = sample_bsdf(&s.material, s.wo, to_unit(lobe), u);
+        let chosen = self.choose_direction(s, to_unit(lobe), u);
         if chosen.weight.max_element() <= 0.0 {
             return DVec3::ZERO;
         }
@@ -310,18 +338,23 @@ impl<'a> Direct<'a> {
             origin: s.origin,
             direction: to_world(&s.frame, wi),
         };
-        let (radiance, pdf_light) = self.light_in_direction(&ray, sample);
+        let (radiance, pdf_light) = self.light_in_direction(s.position, &ray, sample);
         let mut contribution = radiance * weight;
         if self.sample_lights {
             let pdf_light = BrokenTwin::density(self.broken, pdf_light);
-            let weight = power_heuristic(pdf_bsdf, pdf_light);
+            let weight = self.mis_weight(pdf_bsdf, pdf_light);
             contribution *= BrokenTwin::weight(self.broken, weight);
         }
         contribution
     }
 
-    /// Radiance along `ray`, and the density with which light sampling would have chosen its direction.
-    fn light_in_direction(&self, ray: &Ray, sample: &mut Sample) -> (DVec3, PdfSolidAngle) {
+    /// Radiance along `ray`, and the density with which light sampling from `x` would have chosen its direction.
+    fn light_in_direction(
+        &self,
+        x: DVec3,
+        ray: &Ray,
+        sample: &mut Sample,
+    ) -> (DVec3, PdfSolidAngle) {
         let world = &self.world;
         let dark = (DVec3::ZERO, PdfSolidAngle(0.0));
         let Some(hit) = closest_hit(world, ray) else {
@@ -342,11 +375,27 @@ impl<'a> Direct<'a> {
             return dark;
         };
         sample.conditions.bsdf_cos_light = y.wo.z;
+        if let PrimitiveGeometry::Sphere { radius, .. } =
+            world.primitives[hit.primitive as usize].geometry
+        {
+            sample.conditions.bsdf_light_curvature = hit.t / radius;
+        }
         let (choice, on_light) = pdf_light_area(world, light);
-        let pdf = pdf_area_light(world, light, hit.t * hit.t, y.wo.z);
+        let pdf = pdf_area_light(world, light, x, hit.t * hit.t, y.wo.z);
         (
             emitted_radiance(world, light, y.front),
             BrokenTwin::measure(self.broken, choice, Some(on_light), pdf),
         )
+    }
+}
+
+/// How directions are chosen where that is without regard to the BSDF.
+fn hemisphere(prepared: &Prepared) -> Option<Hemisphere> {
+    if prepared.effects.contains(Effect::UniformHemisphere) {
+        Some(Hemisphere::Uniform)
+    } else if prepared.effects.contains(Effect::CosineHemisphere) {
+        Some(Hemisphere::Cosine)
+    } else {
+        None
     }
 }

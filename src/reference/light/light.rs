@@ -1,22 +1,15 @@
 //! Light sampling: choose a light, then a direction towards it.
 
 use super::alias_table::{Choice, alias_choice};
-use super::disk::{pdf_disk_area, sample_disk_area};
+use super::area_light::{LightSample, area_light, no_light, sample_area_light};
 use super::environment::{
     bilinear_texels, map_from_direction, pdf_environment_cell, sample_environment_cell,
 };
-use super::rectangle::{pdf_rectangle_area, sample_rectangle_area};
-use super::sphere::{pdf_sphere_area, sample_sphere_area};
+use super::sphere::sample_sphere_area;
 use super::spot::spot_falloff;
-use super::triangle::{pdf_triangle_area, sample_triangle_area};
-use crate::accel::PrimitiveGeometry;
 use crate::emitters::Emitter;
-use crate::reference::core::math::max_abs;
-use crate::reference::core::pdf::{
-    PdfArea, PdfDiscrete, PdfSolidAngle, area_to_solid_angle, chosen,
-};
+use crate::reference::core::pdf::{PdfArea, PdfDiscrete, PdfSolidAngle, chosen};
 use crate::reference::scene::fetch::World;
-use crate::reference::scene::surface::OFFSET;
 use crate::scene::light::Interpolation;
 use crate::scene::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
 use glam::{DVec2, DVec3};
@@ -25,124 +18,9 @@ use std::f64::consts::PI;
 /// Length beyond everything in the normalised scene.
 const FAR: f64 = 4.0;
 
-/// A direction towards a light, seen from a point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LightSample {
-    /// Unit direction.
-    pub wi: DVec3,
-    /// Where the shadow ray ends: off the light, towards the point.
-    pub target_point: DVec3,
-    /// Radiance divided by the density of this sample, light selection included (for lights without extent:
-    /// irradiance on a surface that faces the light, divided by the probability of the light); 0 where nothing
-    /// arrives.
-    pub radiance_over_pdf: DVec3,
-    /// Density with which the sample was chosen, light selection included; 0 for lights without extent.
-    pub pdf: PdfSolidAngle,
-    /// Density with which the point was chosen on its light, or on the unit square of the environment's directions,
-    /// without light selection; none for lights that have neither.
-    pub pdf_on_light: Option<PdfArea>,
-    /// Cosine at the light; 1 where it has no surface.
-    pub cos_light: f64,
-    /// Whether only light sampling can reach the light.
-    pub delta: bool,
-}
-
-fn no_light() -> LightSample {
-    LightSample {
-        wi: DVec3::Z,
-        target_point: DVec3::ZERO,
-        radiance_over_pdf: DVec3::ZERO,
-        pdf: PdfSolidAngle(0.0),
-        pdf_on_light: None,
-        cos_light: 1.0,
-        delta: false,
-    }
-}
-
 /// The light that the random word `u` selects; `None` where there is nothing to select from.
 pub fn choose_light(world: &World<'_>, u: u32) -> Option<Choice> {
     Some(alias_choice(u, world.prepared.emitters.selection.as_ref()?))
-}
-
-/// A point on an area light: where, which way its front faces, and with which density.
-struct LightPoint {
-    position: DVec3,
-    normal: DVec3,
-    pdf: PdfArea,
-    /// Size of the coordinates, for the offset.
-    extent: f64,
-}
-
-fn sample_area(geometry: &PrimitiveGeometry, u: DVec2) -> LightPoint {
-    let area = geometry.area();
-    let planar = |a: DVec3, e1: DVec3, e2: DVec3, st: DVec2, pdf: PdfArea| LightPoint {
-        position: a + st.x * e1 + st.y * e2,
-        normal: e1.cross(e2).normalize(),
-        pdf,
-        extent: max_abs(a) + max_abs(e1) + max_abs(e2),
-    };
-    match *geometry {
-        PrimitiveGeometry::Triangle { a, u: e1, v: e2 } => {
-            planar(a, e1, e2, sample_triangle_area(u), pdf_triangle_area(area))
-        }
-        PrimitiveGeometry::Rectangle { a, u: e1, v: e2 } => planar(
-            a,
-            e1,
-            e2,
-            sample_rectangle_area(u),
-            pdf_rectangle_area(area),
-        ),
-        PrimitiveGeometry::Disk { a, u: e1, v: e2 } => {
-            planar(a, e1, e2, sample_disk_area(u), pdf_disk_area(area))
-        }
-        PrimitiveGeometry::Sphere { center, radius } => {
-            let normal = sample_sphere_area(u);
-            LightPoint {
-                position: center + radius * normal,
-                normal,
-                pdf: pdf_sphere_area(area),
-                extent: max_abs(center) + radius,
-            }
-        }
-    }
-}
-
-/// A sample of a point on an area light that emits `radiance`, seen from `x`.
-fn area_light_sample(
-    point: &LightPoint,
-    radiance: DVec3,
-    two_sided: bool,
-    choice: PdfDiscrete,
-    x: DVec3,
-) -> LightSample {
-    let d = point.position - x;
-    let d2 = d.length_squared();
-    let Some(wi) = d.try_normalize() else {
-        return no_light();
-    };
-    let signed_cos = -point.normal.dot(wi);
-    let cos_light = if two_sided {
-        signed_cos.abs()
-    } else {
-        signed_cos
-    };
-    if cos_light <= 0.0 {
-        return no_light();
-    }
-    let towards_x = if signed_cos > 0.0 {
-        point.normal
-    } else {
-        -point.normal
-    };
-    LightSample {
-        wi,
-        target_point: point.position + towards_x * (point.extent * OFFSET),
-        radiance_over_pdf: radiance * cos_light / (d2 * point.pdf.0 * choice.0),
-        pdf: chosen(choice, area_to_solid_angle(point.pdf, d2, cos_light)),
-        pdf_on_light: Some(point.pdf),
-        cos_light,
-        delta: false,
-    }
 }
 
 /// A light without a surface, seen from `x`.
@@ -202,14 +80,8 @@ pub fn sample_chosen_light(
 ) -> LightSample {
     let probability = choice.probability;
     match &world.prepared.emitters.lights[choice.index as usize] {
-        Emitter::Area {
-            primitive,
-            radiance,
-            two_sided,
-        } => {
-            let geometry = &world.primitives[*primitive as usize].geometry;
-            let point = sample_area(geometry, u);
-            area_light_sample(&point, *radiance, *two_sided, probability, x)
+        Emitter::Area { .. } => {
+            sample_area_light(&area_light(world, choice.index), probability, x, u)
         }
         Emitter::Delta(light) => delta_light_sample(light, probability, x),
         Emitter::Environment => sample_environment(world, probability, x, u, texel),
@@ -226,31 +98,6 @@ pub fn emitted_radiance(world: &World<'_>, light: u32, front: bool) -> DVec3 {
         } if front || two_sided => radiance,
         _ => DVec3::ZERO,
     }
-}
-
-/// Probability that light selection chooses `light`, and the density per area of its points.
-pub fn pdf_light_area(world: &World<'_>, light: u32) -> (PdfDiscrete, PdfArea) {
-    let Emitter::Area { primitive, .. } = world.prepared.emitters.lights[light as usize] else {
-        unreachable!("only lights with a surface are hit");
-    };
-    let area = world.primitives[primitive as usize].geometry.area();
-    let selection = world.prepared.emitters.probability(light as usize);
-    (PdfDiscrete(selection), PdfArea(1.0 / area))
-}
-
-/// Density with which light sampling would have chosen the direction in which a ray met an area light, light selection
-/// included: `distance_squared` away, at cosine `cos_light` > 0.
-pub fn pdf_area_light(
-    world: &World<'_>,
-    light: u32,
-    distance_squared: f64,
-    cos_light: f64,
-) -> PdfSolidAngle {
-    let (selection, pdf) = pdf_light_area(world, light);
-    chosen(
-        selection,
-        area_to_solid_angle(pdf, distance_squared, cos_light),
-    )
 }
 
 fn environment<'a>(world: &World<'a>) -> &'a Environment {

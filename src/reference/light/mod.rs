@@ -5,6 +5,7 @@
 )]
 
 pub mod alias_table;
+pub mod area_light;
 pub mod disk;
 pub mod environment;
 pub mod light;

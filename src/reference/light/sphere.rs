@@ -1,7 +1,8 @@
-//! Uniform points on spheres.
+//! Points on spheres: uniform over their area, or over the cone in which a point outside sees them.
 
+use crate::reference::core::frame::{frame_from_normal, to_world};
 use crate::reference::core::math::sin_cos_two_pi;
-use crate::reference::core::pdf::PdfArea;
+use crate::reference::core::pdf::{PdfArea, PdfSolidAngle};
 use glam::{DVec2, DVec3};
 
 /// A uniformly distributed unit vector (Archimedes: z is uniform).
@@ -14,4 +15,24 @@ pub fn sample_sphere_area(u: DVec2) -> DVec3 {
 /// Density of [`sample_sphere_area`] on a sphere of area `area`.
 pub fn pdf_sphere_area(area: f64) -> PdfArea {
     PdfArea(1.0 / area)
+}
+
+/// 1 − cosθ of the cone in which a sphere with the squared sine `sin_squared` = (r/d)² < 1 is seen. The solid angle is 2π
+/// times this.
+pub fn cone_height(sin_squared: f64) -> f64 {
+    sin_squared / (1.0 + (1.0 - sin_squared).sqrt())
+}
+
+/// A unit direction, uniform over the cone of height `k` around the unit vector `axis`, and its 1 − cosθ.
+pub fn sample_cone(axis: DVec3, k: f64, u: DVec2) -> (DVec3, f64) {
+    let height = u.x * k;
+    let r = (height * (2.0 - height)).sqrt();
+    let sc = sin_cos_two_pi(u.y);
+    let local = DVec3::new(r * sc.y, r * sc.x, 1.0 - height);
+    (to_world(&frame_from_normal(axis), local), height)
+}
+
+/// Density of [`sample_cone`].
+pub fn pdf_cone(k: f64) -> PdfSolidAngle {
+    PdfSolidAngle(1.0 / (std::f64::consts::TAU * k))
 }

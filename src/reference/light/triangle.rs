@@ -1,7 +1,8 @@
-//! Uniform points on triangles, as coordinates (s, t): the point is a + s·(b − a) + t·(c − a).
+//! Points on triangles: uniform over their area, as coordinates (s, t) with the point a + s·(b − a) + t·(c − a), or
+//! uniform over the solid angle in which a point sees them.
 
-use crate::reference::core::pdf::PdfArea;
-use glam::DVec2;
+use crate::reference::core::pdf::{PdfArea, PdfSolidAngle};
+use glam::{DVec2, DVec3};
 
 /// Area-preserving map from the square to the triangle (Heitz 2019, "A Low-Distortion Map Between Triangle and
 /// Square").
@@ -18,4 +19,53 @@ pub fn sample_triangle_area(u: DVec2) -> DVec2 {
 /// Density of [`sample_triangle_area`] on a triangle of area `area`.
 pub fn pdf_triangle_area(area: f64) -> PdfArea {
     PdfArea(1.0 / area)
+}
+
+/// A triangle seen from a point: unit directions to its vertices, and the solid angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SphericalTriangle {
+    /// Towards the first vertex.
+    pub a: DVec3,
+    /// Towards the second.
+    pub b: DVec3,
+    /// Towards the third.
+    pub c: DVec3,
+    /// |a · (b × c)|.
+    pub determinant: f64,
+    /// Its solid angle.
+    pub solid_angle: f64,
+}
+
+/// The triangle of the points `pa`, `pb`, `pc` seen from `x` (Van Oosterom & Strackee 1983).
+pub fn spherical_triangle(x: DVec3, pa: DVec3, pb: DVec3, pc: DVec3) -> SphericalTriangle {
+    let [a, b, c] = [pa, pb, pc].map(|p| (p - x).normalize());
+    let lengths = (pa - x).length() * (pb - x).length() * (pc - x).length();
+    let determinant = (pa - x).dot((pb - pa).cross(pc - pa)).abs() / lengths;
+    let denominator = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
+    SphericalTriangle {
+        a,
+        b,
+        c,
+        determinant,
+        solid_angle: 2.0 * determinant.atan2(denominator),
+    }
+}
+
+/// The unit direction into the triangle for which the triangle between vertex a, vertex b and the side from a has the
+/// solid angle `part`, and which divides the way from b at `u` (Arvo 1995, "Stratified Sampling of Spherical Triangles";
+/// without inverse trigonometric functions by Peters 2021, "BRDF Importance Sampling for Polygonal Lights").
+pub fn sample_triangle_solid_angle(t: &SphericalTriangle, part: f64, u: f64) -> DVec3 {
+    let (sin, cos) = (0.5 * part).sin_cos();
+    let along = t.a * (t.determinant * cos - (t.a.dot(t.c) + t.b.dot(t.c)) * sin)
+        + t.c * ((1.0 + t.a.dot(t.b)) * sin);
+    let bisector = along.normalize_or(t.a);
+    let q = 2.0 * t.a.dot(bisector) * bisector - t.a;
+    let k = 0.5 * (t.b - q).length_squared();
+    let s = (u * (2.0 - u * k) / (2.0 - k)).sqrt();
+    ((1.0 - u * k - s * (1.0 - k)) * t.b + s * q).normalize()
+}
+
+/// Density of [`sample_triangle_solid_angle`] over a solid angle.
+pub fn pdf_uniform_solid_angle(solid_angle: f64) -> PdfSolidAngle {
+    PdfSolidAngle(1.0 / solid_angle)
 }

@@ -1,11 +1,11 @@
 //! `shaders/kernel/record.wesl`: what it records is what a render accumulates.
 
-use crate::support::{STRATEGIES, context, own_scenes};
+use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes};
 use direkt::compare::accumulation::TOLERANCE;
 use direkt::gpu::layout::{NONE, SampleRecord};
 use direkt::gpu::recorder::Recorder;
 use direkt::render::{Prepared, Session, StopReason};
-use direkt::scene::{FilmSize, LightSelection};
+use direkt::scene::{FilmSize, LightSelection, Strategy};
 use direkt::stats::moments::Moments;
 
 const SAMPLES: u64 = 8;
@@ -19,7 +19,7 @@ const FILM: FilmSize = FilmSize {
 fn recorded_samples_make_the_film() {
     let context = context();
     for (name, scene) in own_scenes() {
-        for strategy in STRATEGIES {
+        for strategy in KINDS_OF_STRATEGIES {
             let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
             let recorder = Recorder::new(&context, &prepared, FILM, 33).unwrap();
             let records: Vec<_> = (0..SAMPLES).map(|i| recorder.samples(i).unwrap()).collect();
@@ -51,7 +51,7 @@ fn recorded_samples_make_the_film() {
 fn parts_add_up() {
     let context = context();
     for (name, scene) in own_scenes() {
-        let prepared = Prepared::new(scene, STRATEGIES[2], LightSelection::Power);
+        let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Power);
         let recorder = Recorder::new(&context, &prepared, FILM, 34).unwrap();
         let records = recorder.samples(u64::from(u32::MAX) + 5).unwrap();
         let shape = |r: &SampleRecord| prepared.primitives[r.camera_primitive as usize].shape;

@@ -11,8 +11,9 @@ use direkt::reference::core::frame::{frame_from_normal, to_local};
 use direkt::reference::core::ray::Ray;
 use direkt::reference::core::ray_planar::intersect_rectangle;
 use direkt::reference::core::ray_sphere::intersect_sphere;
-use direkt::reference::light::light::pdf_area_light;
+use direkt::reference::light::area_light::pdf_area_light;
 use direkt::reference::scene::fetch::World;
+use direkt::scene::LightSampling;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -92,8 +93,18 @@ fn towards(geometry: &PrimitiveGeometry, x: DVec3, p: DVec2) -> DVec3 {
 /// is cut by its edge.
 #[test]
 fn directions_towards_area_lights_match_pdf() {
+    directions_match_pdf(LightSampling::Area);
+}
+
+/// The same where lights are sampled over their solid angles.
+#[test]
+fn directions_over_solid_angles_match_pdf() {
+    directions_match_pdf(LightSampling::SolidAngle);
+}
+
+fn directions_match_pdf(sampling: LightSampling) {
     let context = context();
-    let prepared = prepared(constant_environment());
+    let prepared = prepared(constant_environment(), sampling);
     let world = World::new(&prepared);
     let mut tested = 0;
     for (index, light) in (0_u32..).zip(&prepared.emitters.lights) {
@@ -125,11 +136,11 @@ fn directions_towards_area_lights_match_pdf() {
                 let wi = towards(geometry, x, p);
                 let (_, to_solid_angle) = on_light(geometry, x, wi);
                 let (d2, cos) = distance_and_cosine(geometry, x, wi);
-                let pdf = pdf_area_light(&world, index, d2, cos).0 / selection;
+                let pdf = pdf_area_light(&world, index, x, d2, cos).0 / selection;
                 all * pdf * to_solid_angle * cos.powf(cosines)
             };
             let what = format!(
-                "{geometry:?} from {x}, seed {seed}, {}",
+                "{sampling:?}, {geometry:?} from {x}, seed {seed}, {}",
                 context.adapter.name
             );
             let test = |pdf: &dyn Fn(DVec2) -> f64| {

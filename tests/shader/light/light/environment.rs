@@ -15,6 +15,7 @@ use direkt::reference::light::light::{
 };
 use direkt::reference::light::sphere::sample_sphere_area;
 use direkt::reference::scene::fetch::World;
+use direkt::scene::LightSampling;
 use direkt::scene::light::Interpolation;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -27,7 +28,7 @@ fn directions_towards_the_environment_match_pdf() {
         environment_map(Interpolation::Nearest),
         environment_map(Interpolation::Linear),
     ]) {
-        let prepared = prepared(environment);
+        let prepared = prepared(environment, LightSampling::Area);
         let world = World::new(&prepared);
         let lights = &prepared.emitters.lights;
         let index = lights
@@ -87,7 +88,7 @@ fn the_environment_is_the_twins() {
         environment_map(Interpolation::Nearest),
         environment_map(Interpolation::Linear),
     ] {
-        let prepared = prepared(environment);
+        let prepared = prepared(environment, LightSampling::Area);
         let world = World::new(&prepared);
         let function = Function {
             imports: IMPORTS,

@@ -9,11 +9,14 @@ use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
 use direkt::gpu::Context;
 use direkt::reference::core::frame::frame_from_normal;
+use direkt::reference::light::area_light::LightSample;
 use direkt::reference::light::environment::map_from_direction;
-use direkt::reference::light::light::{LightSample, emitted_radiance};
+use direkt::reference::light::light::emitted_radiance;
 use direkt::reference::scene::fetch::World;
 use direkt::render::Prepared;
-use direkt::scene::{Environment, EnvironmentRadiance, Light, LightSelection, Strategy};
+use direkt::scene::{
+    Environment, EnvironmentRadiance, Light, LightSampling, LightSelection, Strategy,
+};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -27,13 +30,15 @@ const IMPORTS: &str = "import package::core::pdf::PdfDiscrete;
     import package::core::rng::{pcg4d, to_unit_2d};
     import package::light::alias_table::Choice;
     import package::light::light::{
-        choose_light, emitted_radiance, environment_radiance, pdf_area_light, pdf_environment, sample_chosen_light};
+        choose_light, emitted_radiance, environment_radiance, pdf_environment, sample_chosen_light};
+    import package::light::area_light::pdf_area_light;
     import package::scene::fetch::{LIGHT_ENVIRONMENT, fetch_light};
     import package::scene::surface::surface_at;
     import package::scene::trace::closest_hit;";
 
-fn prepared(environment: Environment) -> Prepared {
-    let scene = every_kind(environment);
+fn prepared(environment: Environment, sampling: LightSampling) -> Prepared {
+    let mut scene = every_kind(environment);
+    scene.render.light_sampling = sampling;
     Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform)
 }
 
@@ -161,7 +166,7 @@ fn directions(
 
 #[test]
 fn surfaces_emit_on_their_front_and_where_two_sided_on_their_back() {
-    let prepared = prepared(constant_environment());
+    let prepared = prepared(constant_environment(), LightSampling::Area);
     let world = World::new(&prepared);
     let function = Function {
         imports: IMPORTS,

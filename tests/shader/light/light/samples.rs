@@ -14,8 +14,8 @@ use direkt::reference::light::alias_table::Choice;
 use direkt::reference::light::light::{environment_cell_margin, sample_chosen_light};
 use direkt::reference::scene::fetch::World;
 use direkt::render::Prepared;
-use direkt::scene::Light;
 use direkt::scene::light::Interpolation;
+use direkt::scene::{Light, LightSampling};
 use glam::{DVec2, DVec3};
 
 /// One item: which light with which probability, from where, and the random numbers.
@@ -57,7 +57,7 @@ fn light_samples_are_the_twins() {
         constant_environment(),
         environment_map(Interpolation::Linear),
     ] {
-        let prepared = prepared(environment);
+        let prepared = prepared(environment, LightSampling::Area);
         let world = World::new(&prepared);
         let mut items = Vec::new();
         for (index, light) in (0..).zip(&prepared.emitters.lights) {
@@ -149,7 +149,7 @@ fn light_samples_are_the_twins() {
 #[test]
 fn a_point_at_a_light_receives_nothing() {
     let context = context();
-    let prepared = prepared(constant_environment());
+    let prepared = prepared(constant_environment(), LightSampling::Area);
     let mut items = Vec::new();
     for (index, light) in (0..).zip(&prepared.emitters.lights) {
         if let Emitter::Delta(Light::Point { position, .. } | Light::Spot { position, .. }) = light
@@ -175,7 +175,7 @@ fn a_point_at_a_light_receives_nothing() {
 #[test]
 fn claimed_densities_are_the_evaluated_ones() {
     let context = context();
-    let prepared = prepared(environment_map(Interpolation::Nearest));
+    let prepared = prepared(environment_map(Interpolation::Nearest), LightSampling::Area);
     let world = World::new(&prepared);
     let function = Function {
         imports: IMPORTS,
@@ -189,7 +189,7 @@ fn claimed_densities_are_the_evaluated_ones() {
                if hit.primitive != 0xffffffffu {
                    let y = surface_at(ray, hit, -ray.direction);
                    if y.light == index && y.front {
-                       pdf = pdf_area_light(index, hit.t * hit.t, y.wo.z).value;
+                       pdf = pdf_area_light(index, x, hit.t * hit.t, y.wo.z).value;
                    }
                }
                if light.kind == LIGHT_ENVIRONMENT {

@@ -1,0 +1,299 @@
+//! Sampling of lights with a surface: uniformly over its area, or over the solid angle in which a point sees it.
+
+use super::disk::{pdf_disk_area, sample_disk_area};
+use super::rectangle::{
+    pdf_rectangle_area, sample_rectangle_area, sample_rectangle_solid_angle, spherical_rectangle,
+};
+use super::sphere::{cone_height, pdf_sphere_area, sample_cone, sample_sphere_area};
+use super::triangle::{
+    pdf_triangle_area, pdf_uniform_solid_angle, sample_triangle_area, sample_triangle_solid_angle,
+    spherical_triangle,
+};
+use crate::accel::PrimitiveGeometry;
+use crate::effects::Effect;
+use crate::emitters::Emitter;
+use crate::reference::core::math::max_abs;
+use crate::reference::core::pdf::{
+    PdfArea, PdfDiscrete, PdfSolidAngle, area_to_solid_angle, chosen,
+};
+use crate::reference::scene::fetch::World;
+use crate::reference::scene::surface::OFFSET;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// A direction towards a light, seen from a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightSample {
+    /// Unit direction.
+    pub wi: DVec3,
+    /// Where the shadow ray ends: off the light, towards the point.
+    pub target_point: DVec3,
+    /// Radiance divided by the density of this sample, light selection included (for lights without extent:
+    /// irradiance on a surface that faces the light, divided by the probability of the light); 0 where nothing
+    /// arrives.
+    pub radiance_over_pdf: DVec3,
+    /// Density with which the sample was chosen, light selection included; 0 for lights without extent.
+    pub pdf: PdfSolidAngle,
+    /// Density of a uniform point on the light's surface, or with which one was chosen on the unit square of the
+    /// environment's directions, without light selection; none for lights that have neither.
+    pub pdf_on_light: Option<PdfArea>,
+    /// Cosine at the light; 1 where it has no surface.
+    pub cos_light: f64,
+    /// Whether only light sampling can reach the light.
+    pub delta: bool,
+}
+
+/// A sample from which nothing arrives.
+pub fn no_light() -> LightSample {
+    LightSample {
+        wi: DVec3::Z,
+        target_point: DVec3::ZERO,
+        radiance_over_pdf: DVec3::ZERO,
+        pdf: PdfSolidAngle(0.0),
+        pdf_on_light: None,
+        cos_light: 1.0,
+        delta: false,
+    }
+}
+
+/// Solid angles below this are sampled by area.
+pub const MIN_SOLID_ANGLE: f64 = 1e-5;
+
+/// A light with a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AreaLight {
+    /// Its geometry.
+    pub geometry: PrimitiveGeometry,
+    /// Emitted radiance.
+    pub radiance: DVec3,
+    /// Whether its back emits as well.
+    pub two_sided: bool,
+    /// Whether it is sampled over its solid angle.
+    pub by_solid_angle: bool,
+}
+
+/// Light `index`, which has a surface.
+pub fn area_light(world: &World<'_>, index: u32) -> AreaLight {
+    let prepared = world.prepared;
+    let Emitter::Area {
+        primitive,
+        radiance,
+        two_sided,
+    } = prepared.emitters.lights[index as usize]
+    else {
+        unreachable!("only lights with a surface are asked for");
+    };
+    AreaLight {
+        geometry: world.primitives[primitive as usize].geometry,
+        radiance,
+        two_sided,
+        by_solid_angle: prepared.effects.contains(Effect::SolidAngleLights),
+    }
+}
+
+/// A point on a light, and which way its front faces there.
+struct LightPoint {
+    position: DVec3,
+    normal: DVec3,
+    /// Size of the coordinates, for the offset.
+    extent: f64,
+}
+
+fn extent(geometry: &PrimitiveGeometry) -> f64 {
+    match *geometry {
+        PrimitiveGeometry::Triangle { a, u, v }
+        | PrimitiveGeometry::Rectangle { a, u, v }
+        | PrimitiveGeometry::Disk { a, u, v } => max_abs(a) + max_abs(u) + max_abs(v),
+        PrimitiveGeometry::Sphere { center, radius } => max_abs(center) + radius,
+    }
+}
+
+/// A point of the light, uniform over its area, and its density.
+fn sample_area(geometry: &PrimitiveGeometry, u: DVec2) -> (LightPoint, PdfArea) {
+    let area = geometry.area();
+    let planar = |a: DVec3, e1: DVec3, e2: DVec3, st: DVec2| LightPoint {
+        position: a + st.x * e1 + st.y * e2,
+        normal: e1.cross(e2).normalize(),
+        extent: extent(geometry),
+    };
+    match *geometry {
+        PrimitiveGeometry::Triangle { a, u: e1, v: e2 } => (
+            planar(a, e1, e2, sample_triangle_area(u)),
+            pdf_triangle_area(area),
+        ),
+        PrimitiveGeometry::Rectangle { a, u: e1, v: e2 } => (
+            planar(a, e1, e2, sample_rectangle_area(u)),
+            pdf_rectangle_area(area),
+        ),
+        PrimitiveGeometry::Disk { a, u: e1, v: e2 } => {
+            (planar(a, e1, e2, sample_disk_area(u)), pdf_disk_area(area))
+        }
+        PrimitiveGeometry::Sphere { center, radius } => {
+            let normal = sample_sphere_area(u);
+            let point = LightPoint {
+                position: center + radius * normal,
+                normal,
+                extent: extent(geometry),
+            };
+            (point, pdf_sphere_area(area))
+        }
+    }
+}
+
+/// 1 − cosθ of the cone in which `x` sees a sphere; `None` from within, and where the cone is too narrow.
+fn sphere_cone(center: DVec3, radius: f64, x: DVec3) -> Option<f64> {
+    let (d2, r2) = ((center - x).length_squared(), radius * radius);
+    if d2 <= r2 * 1.000_001 {
+        return None;
+    }
+    Some(cone_height(r2 / d2)).filter(|k| TAU * k >= MIN_SOLID_ANGLE)
+}
+
+/// A direction towards the light, uniform over a solid angle, and that solid angle; `None` where it is too small to be
+/// sampled so, and within a sphere.
+fn sample_direction(geometry: &PrimitiveGeometry, x: DVec3, u: DVec2) -> Option<(DVec3, f64)> {
+    let (direction, solid_angle) = match *geometry {
+        PrimitiveGeometry::Triangle { a, u: e1, v: e2 } => {
+            let t = spherical_triangle(x, a + e1, a, a + e2);
+            let direction = sample_triangle_solid_angle(&t, u.x * t.solid_angle, u.y);
+            (direction, t.solid_angle)
+        }
+        PrimitiveGeometry::Rectangle { a, u: e1, v: e2 } => {
+            let r = spherical_rectangle(x, a, e1, e2);
+            (sample_rectangle_solid_angle(&r, u), r.solid_angle)
+        }
+        PrimitiveGeometry::Disk { a, u: e1, v: e2 } => {
+            // The box around it: what misses the disk finds no light.
+            let r = spherical_rectangle(x, a - e1 - e2, 2.0 * e1, 2.0 * e2);
+            (sample_rectangle_solid_angle(&r, u), r.solid_angle)
+        }
+        PrimitiveGeometry::Sphere { center, radius } => {
+            let k = sphere_cone(center, radius, x)?;
+            (sample_cone((center - x).normalize(), k, u).0, TAU * k)
+        }
+    };
+    (solid_angle >= MIN_SOLID_ANGLE).then_some((direction, solid_angle))
+}
+
+/// Where the ray from `x` in direction `wi` meets the light.
+fn point_in_direction(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> Option<LightPoint> {
+    let (position, normal) = match *geometry {
+        PrimitiveGeometry::Triangle { a, u, v }
+        | PrimitiveGeometry::Rectangle { a, u, v }
+        | PrimitiveGeometry::Disk { a, u, v } => {
+            let normal = u.cross(v);
+            let t = normal.dot(a - x) / normal.dot(wi);
+            let p = x + t * wi - a;
+            let squared = normal.length_squared();
+            let st = DVec2::new(p.cross(v).dot(normal), u.cross(p).dot(normal)) / squared;
+            let disk = matches!(geometry, PrimitiveGeometry::Disk { .. });
+            if t.is_nan() || t <= 0.0 || (disk && st.length_squared() > 1.0) {
+                return None;
+            }
+            (a + st.x * u + st.y * v, normal.normalize())
+        }
+        PrimitiveGeometry::Sphere { center, radius } => {
+            let to_center = center - x;
+            let along = to_center.dot(wi);
+            let off = (to_center - along * wi).length_squared();
+            let t = along - (radius * radius - off).max(0.0).sqrt();
+            let normal = (x + t * wi - center).normalize();
+            (center + radius * normal, normal)
+        }
+    };
+    Some(LightPoint {
+        position,
+        normal,
+        extent: extent(geometry),
+    })
+}
+
+/// A sample of a light with a surface, seen from `x`.
+pub fn sample_area_light(
+    light: &AreaLight,
+    choice: PdfDiscrete,
+    x: DVec3,
+    u: DVec2,
+) -> LightSample {
+    let direction = if light.by_solid_angle {
+        sample_direction(&light.geometry, x, u)
+    } else {
+        None
+    };
+    let on_light = PdfArea(1.0 / light.geometry.area());
+    let (point, wi, pdf) = match direction {
+        Some((wi, solid_angle)) => {
+            let Some(point) = point_in_direction(&light.geometry, x, wi) else {
+                return no_light();
+            };
+            (point, wi, Some(pdf_uniform_solid_angle(solid_angle)))
+        }
+        None => {
+            let (point, _) = sample_area(&light.geometry, u);
+            let Some(wi) = (point.position - x).try_normalize() else {
+                return no_light();
+            };
+            (point, wi, None)
+        }
+    };
+    let signed_cos = -point.normal.dot(wi);
+    let cos_light = if light.two_sided {
+        signed_cos.abs()
+    } else {
+        signed_cos
+    };
+    if cos_light <= 0.0 {
+        return no_light();
+    }
+    let towards_x = if signed_cos > 0.0 {
+        point.normal
+    } else {
+        -point.normal
+    };
+    let d2 = (point.position - x).length_squared();
+    let pdf = pdf.unwrap_or_else(|| area_to_solid_angle(on_light, d2, cos_light));
+    let radiance_over_pdf = if direction.is_some() {
+        light.radiance / (pdf.0 * choice.0)
+    } else {
+        light.radiance * cos_light / (d2 * on_light.0 * choice.0)
+    };
+    LightSample {
+        wi,
+        target_point: point.position + towards_x * (point.extent * OFFSET),
+        radiance_over_pdf,
+        pdf: chosen(choice, pdf),
+        pdf_on_light: Some(on_light),
+        cos_light,
+        delta: false,
+    }
+}
+
+/// Probability that light selection chooses `light`, and the density of a uniform point on it.
+pub fn pdf_light_area(world: &World<'_>, light: u32) -> (PdfDiscrete, PdfArea) {
+    let area = area_light(world, light).geometry.area();
+    let selection = world.prepared.emitters.probability(light as usize);
+    (PdfDiscrete(selection), PdfArea(1.0 / area))
+}
+
+/// Density with which light sampling from `x` would have chosen the direction in which a ray met a light's surface,
+/// light selection included: `distance_squared` away, at cosine `cos_light` > 0.
+pub fn pdf_area_light(
+    world: &World<'_>,
+    light: u32,
+    x: DVec3,
+    distance_squared: f64,
+    cos_light: f64,
+) -> PdfSolidAngle {
+    let (selection, on_light) = pdf_light_area(world, light);
+    let light = area_light(world, light);
+    let sampled = if light.by_solid_angle {
+        sample_direction(&light.geometry, x, DVec2::ZERO)
+    } else {
+        None
+    };
+    let pdf = match sampled {
+        Some((_, solid_angle)) => pdf_uniform_solid_angle(solid_angle),
+        None => area_to_solid_angle(on_light, distance_squared, cos_light),
+    };
+    chosen(selection, pdf)
+}
