@@ -10,3 +10,5 @@ mod ray_planar;
 mod ray_sphere;
 mod rng;
 mod sampler;
+mod sobol;
+mod stratified;

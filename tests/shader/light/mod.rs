@@ -5,6 +5,7 @@
 )]
 
 mod alias_table;
+mod area_light;
 mod disk;
 mod environment;
 mod light;

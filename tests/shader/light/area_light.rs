@@ -1,0 +1,146 @@
+//! `shaders/light/area_light.wesl`, as far as solid angles go; `light.rs` tests sampling by area, and both against their
+//! densities.
+
+use crate::support::every_kind::{constant_environment, every_kind};
+use crate::support::random::numbers;
+use crate::support::rounding::U;
+use crate::support::shader::{Function, call_in, words};
+use crate::support::{context, emitter, floor_pixel, render};
+use direkt::accel::PrimitiveGeometry;
+use direkt::emitters::Emitter;
+use direkt::reference::core::pdf::PdfDiscrete;
+use direkt::reference::exact::solid_angle::{cone_solid_angle, polygon_solid_angle};
+use direkt::reference::light::area_light::{area_light, sample_area_light};
+use direkt::reference::scene::fetch::World;
+use direkt::render::Prepared;
+use direkt::scene::{FilmSize, Geometry, LightSampling, LightSelection, Strategy};
+use glam::{DVec2, DVec3};
+
+/// Size of the coordinates over the shortest edge, or the radius: how much rounding the scene to f32 deforms a light.
+fn deformation(geometry: &PrimitiveGeometry) -> f64 {
+    match *geometry {
+        PrimitiveGeometry::Triangle { a, u, v }
+        | PrimitiveGeometry::Rectangle { a, u, v }
+        | PrimitiveGeometry::Disk { a, u, v } => {
+            let longest = u.length().max(v.length());
+            (a.length() + longest) / (u.cross(v).length() / longest)
+        }
+        PrimitiveGeometry::Sphere { center, radius } => (center.length() + radius) / radius,
+    }
+}
+
+/// Solid angle of what is sampled: the light, or the box around a disk.
+fn exact_solid_angle(geometry: &PrimitiveGeometry, x: DVec3) -> f64 {
+    match *geometry {
+        PrimitiveGeometry::Triangle { a, u, v } => polygon_solid_angle(x, &[a, a + u, a + v]).abs(),
+        PrimitiveGeometry::Rectangle { a, u, v } => {
+            polygon_solid_angle(x, &[a, a + u, a + u + v, a + v]).abs()
+        }
+        PrimitiveGeometry::Disk { a, u, v } => {
+            polygon_solid_angle(x, &[a - u - v, a + u - v, a + u + v, a - u + v]).abs()
+        }
+        PrimitiveGeometry::Sphere { center, radius } => {
+            cone_solid_angle(radius / center.distance(x))
+        }
+    }
+}
+
+/// The density is 1 over the exact solid angle, and the direction the twin's: each up to a hundred roundings of the
+/// light as f32 deforms it, seen from its own size away or further.
+#[test]
+fn solid_angle_samples_are_the_twins() {
+    let context = context();
+    let mut scene = every_kind(constant_environment());
+    scene.render.light_sampling = LightSampling::SolidAngle;
+    let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
+    let world = World::new(&prepared);
+    let function = Function {
+        imports: "import package::light::area_light::sample_area_light;
+                  import package::core::pdf::PdfDiscrete;
+                  import package::scene::fetch::fetch_light;",
+        body: "let s = sample_area_light(fetch_light(in_u32(0u)), PdfDiscrete(0.5), in_vec3f(1u), in_vec2f(4u));
+               out_vec3f(0u, s.wi);
+               out_f32(3u, s.pdf.value);",
+        inputs: 6,
+        outputs: 4,
+        features: &[],
+    };
+    let mut items = Vec::new();
+    for (index, light) in (0_u32..).zip(&prepared.emitters.lights) {
+        if matches!(light, Emitter::Area { .. }) {
+            items.extend((0..2000).map(|i| {
+                let [x, y, z, _] = numbers(i, index, 67).map(|n| 2.0 * n - 1.0);
+                let [a, b, ..] = numbers(i, index, 68);
+                (
+                    index,
+                    DVec3::new(x, y, z).as_vec3().as_dvec3(),
+                    DVec2::new(a, b),
+                )
+            }));
+        }
+    }
+    let inputs: Vec<u32> = items
+        .iter()
+        .flat_map(|(index, x, u)| {
+            let numbers = words(&[x.x, x.y, x.z, u.x, u.y]);
+            std::iter::once(*index).chain(numbers)
+        })
+        .collect();
+    let answers = call_in(&context, &prepared, &function, &inputs, items.len());
+    let mut compared = 0;
+    for ((index, x, u), (wi, pdf)) in items.iter().zip(answers.vec3(0).zip(answers.f64(3))) {
+        let light = area_light(&world, *index);
+        let twin = sample_area_light(&light, PdfDiscrete(0.5), *x, *u);
+        let solid_angle = exact_solid_angle(&light.geometry, *x);
+        let away = solid_angle > 1e-3 && solid_angle < 1.5;
+        if !away || twin.pdf.0 == 0.0 || pdf == 0.0 {
+            continue;
+        }
+        compared += 1;
+        let bound = 128.0 * U * (1.0 + deformation(&light.geometry));
+        let what = format!("{:?} from {x}, {u}", light.geometry);
+        let off = (pdf * solid_angle / 0.5 - 1.0).abs();
+        assert!(
+            off <= bound,
+            "{what}: density off by {off:.1e}, bound {bound:.1e}"
+        );
+        let turned = (wi - twin.wi).length();
+        assert!(turned <= bound, "{what}: {turned:.1e}, bound {bound:.1e}");
+    }
+    assert!(compared > 1000, "{compared}");
+}
+
+/// Over the solid angle of a sphere the radiance is constant, and over a small one the cosine nearly so: the variance
+/// of the irradiance of a sphere on the axis is π²(1 − c)⁴/3 with c = cosθ of the cone (HARD CASES, section E).
+#[test]
+fn a_spheres_variance_is_the_exact_one() {
+    let context = context();
+    let mut scene = floor_pixel();
+    scene.film = FilmSize {
+        width: 64,
+        height: 64,
+    };
+    scene.shapes.push(emitter(
+        Geometry::Sphere {
+            center: DVec3::new(0.0, 0.0, 4.0),
+            radius: 2.0,
+        },
+        1.0,
+        false,
+    ));
+    scene.render.strategy = Strategy::LightSolidAngle;
+    scene.render.spp = 64;
+    let film = render(&context, scene);
+    // Radiance is 0.5/π times the irradiance.
+    let factor = (0.5 / std::f64::consts::PI).powi(2);
+    let exact = factor * 0.001_059_908_360_548_24 / 64.0;
+    let reported: direkt::stats::moments::Moments = film
+        .pixels
+        .iter()
+        .filter_map(|p| Some(p.variance_of_mean()?[0]))
+        .collect();
+    let test = direkt::stats::t_test::one_sample(&reported, exact).unwrap();
+    crate::support::statistics::accept(test.p_value, "variance over a sphere's cone");
+    let area = direkt::stats::t_test::one_sample(&reported, 1.02 * exact).unwrap();
+    crate::support::statistics::reject(area.p_value, "variance over a sphere's cone, 2 % more");
+}
