@@ -79,6 +79,8 @@ effects! {
     CosineHemisphere "HEMISPHERE_COSINE" "cosine-hemisphere",
     /// Lights are sampled over the solid angle in which they are seen.
     SolidAngleLights "LIGHT_SOLID_ANGLE" "solid-angle-sampling",
+    /// Polygon lights are sampled over their projected solid angles.
+    ProjectedLights "LIGHT_PROJECTED" "projected-solid-angle-sampling",
     /// Strategies are weighted by the balance heuristic.
     BalanceHeuristic "MIS_BALANCE" "balance-heuristic",
     /// Random numbers on jittered grids.
@@ -99,6 +101,7 @@ impl Effect {
                 | Self::UniformHemisphere
                 | Self::CosineHemisphere
                 | Self::SolidAngleLights
+                | Self::ProjectedLights
                 | Self::BalanceHeuristic
                 | Self::StratifiedSampler
                 | Self::SobolSampler
@@ -187,14 +190,18 @@ fn of_strategy(effects: &mut Effects, strategy: Strategy, light_sampling: LightS
     }
     let area_lights =
         effects.contains(Effect::PlanarLights) || effects.contains(Effect::SphereLights);
-    let mis = strategy.samples_directions();
-    if area_lights && mis && light_sampling == LightSampling::SolidAngle {
-        effects.call_for(Effect::SolidAngleLights, || {
-            "light_sampling = \"solid-angle\"".to_owned()
-        });
-    }
-    if area_lights && strategy == Strategy::LightSolidAngle {
+    let sampling = match strategy {
+        Strategy::LightArea => LightSampling::Area,
+        Strategy::LightSolidAngle => LightSampling::SolidAngle,
+        Strategy::LightProjectedSolidAngle => LightSampling::ProjectedSolidAngle,
+        _ => light_sampling,
+    };
+    if area_lights && sampling != LightSampling::Area {
         effects.call_for(Effect::SolidAngleLights, reason);
+    }
+    let polygons = effects.contains(Effect::PlanarLights);
+    if polygons && sampling == LightSampling::ProjectedSolidAngle {
+        effects.call_for(Effect::ProjectedLights, reason);
     }
 }
 

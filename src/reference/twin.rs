@@ -33,6 +33,7 @@ pub const SUPPORTED: &[Effect] = &[
     Effect::UniformHemisphere,
     Effect::CosineHemisphere,
     Effect::SolidAngleLights,
+    Effect::ProjectedLights,
     Effect::BalanceHeuristic,
     Effect::StratifiedSampler,
     Effect::SobolSampler,

@@ -30,6 +30,8 @@ pub enum Strategy {
     LightArea,
     /// Uniformly over the solid angle in which a chosen light is seen.
     LightSolidAngle,
+    /// Uniformly over that solid angle projected onto the surface; for spheres and disks as `light-solid-angle`.
+    LightProjectedSolidAngle,
     /// By lights and by the BSDF, weighted by the balance heuristic (Veach 1997, eq. 9.11).
     MisBalance,
     /// By lights and by the BSDF, weighted by the power heuristic (Veach 1997, eq. 9.26, β = 2).
@@ -42,14 +44,18 @@ impl Strategy {
     pub fn samples_lights(self) -> bool {
         match self {
             Self::UniformHemisphere | Self::CosineHemisphere | Self::Bsdf => false,
-            Self::LightArea | Self::LightSolidAngle | Self::MisBalance | Self::MisPower => true,
+            Self::LightArea
+            | Self::LightSolidAngle
+            | Self::LightProjectedSolidAngle
+            | Self::MisBalance
+            | Self::MisPower => true,
         }
     }
 
     /// Whether directions are chosen without regard to lights.
     pub fn samples_directions(self) -> bool {
         match self {
-            Self::LightArea | Self::LightSolidAngle => false,
+            Self::LightArea | Self::LightSolidAngle | Self::LightProjectedSolidAngle => false,
             Self::UniformHemisphere
             | Self::CosineHemisphere
             | Self::Bsdf
@@ -80,6 +86,8 @@ pub enum LightSampling {
     Area,
     /// Uniformly over the solid angle in which it is seen.
     SolidAngle,
+    /// Uniformly over that solid angle projected onto the surface; spheres and disks over their solid angle.
+    ProjectedSolidAngle,
 }
 
 /// How one of several lights is chosen.
@@ -194,6 +202,7 @@ impl std::fmt::Display for Strategy {
             Self::Bsdf => "bsdf",
             Self::LightArea => "light-area",
             Self::LightSolidAngle => "light-solid-angle",
+            Self::LightProjectedSolidAngle => "light-projected-solid-angle",
             Self::MisBalance => "mis-balance",
             Self::MisPower => "mis-power",
         })

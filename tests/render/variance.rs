@@ -4,10 +4,11 @@ use crate::support::twin::{Part, twin_film};
 use crate::support::{context, emitter, floor_pixel, render, statistics, unit_square};
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::render::{Film, Prepared};
-use direkt::scene::{FilmSize, Scene, Strategy};
+use direkt::scene::{FilmSize, Geometry, Scene, Strategy};
 use direkt::stats::moments::Moments;
 use direkt::stats::t_test::one_sample;
 use direkt::stats::z_test::z_test;
+use glam::DVec3;
 
 const RADIANCE: f64 = 10.0;
 /// Under the square, ρ = ½ (HARD CASES H).
@@ -125,5 +126,34 @@ fn biased_twins_do_not_have_the_exact_variance() {
             // It is about sampling the BSDF as well, which does not happen here.
             BrokenTwin::MisWeights => unreachable!("{}", row.name),
         }
+    }
+}
+
+/// A polygon light that is seen as a whole has no variance over its projected solid angle, whatever it is: each sample is
+/// ρ·L·F, up to f32's rounding. Over its solid angle it has the cosine's.
+#[test]
+fn projected_solid_angle_leaves_no_variance() {
+    let context = context();
+    for distance in [0.01, 0.1, 1.0] {
+        let mut scene = floor_pixel();
+        let wall = Geometry::Rectangle {
+            corner: DVec3::new(-distance, -0.5, 0.0),
+            u: DVec3::new(0.0, 0.0, 1.0),
+            v: DVec3::new(0.0, 1.0, 0.0),
+        };
+        scene.shapes.push(emitter(wall, 1.0, true));
+        scene.render.spp = 256;
+        // So that what the pixel sees does not vary either.
+        scene.camera.fov_y = 1e-9;
+        let relative = |strategy: Strategy| {
+            let mut scene = scene.clone();
+            scene.render.strategy = strategy;
+            let pixel = render(&context, scene).pixels[0];
+            (pixel.m2[0] / 255.0).sqrt() / pixel.mean[0]
+        };
+        let projected = relative(Strategy::LightProjectedSolidAngle);
+        assert!(projected < 1e-5, "wall at {distance}: {projected:.1e}");
+        let solid_angle = relative(Strategy::LightSolidAngle);
+        assert!(solid_angle > 0.1, "wall at {distance}: {solid_angle:.1e}");
     }
 }

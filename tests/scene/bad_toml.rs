@@ -84,7 +84,7 @@ fn syntax_and_keys() {
     );
     says(
         refused("[render]\nstrategy = \"magic\"\n"),
-        "render.strategy: unknown value `magic` (line 2); expected `uniform-hemisphere`, `cosine-hemisphere`, `bsdf`, `light-area`, `light-solid-angle`, `mis-balance`, `mis-power`",
+        "render.strategy: unknown value `magic` (line 2); expected `uniform-hemisphere`, `cosine-hemisphere`, `bsdf`, `light-area`, `light-solid-angle`, `light-projected-solid-angle`, `mis-balance`, `mis-power`",
     );
 }
 

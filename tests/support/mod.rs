@@ -20,12 +20,13 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 
 /// All strategies.
-pub const STRATEGIES: [Strategy; 7] = [
+pub const STRATEGIES: [Strategy; 8] = [
     Strategy::UniformHemisphere,
     Strategy::CosineHemisphere,
     Strategy::Bsdf,
     Strategy::LightArea,
     Strategy::LightSolidAngle,
+    Strategy::LightProjectedSolidAngle,
     Strategy::MisBalance,
     Strategy::MisPower,
 ];

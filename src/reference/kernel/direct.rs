@@ -245,7 +245,7 @@ impl<'a> Direct<'a> {
             return None;
         }
         let u = to_unit_2d(words[0], words[1]);
-        let mut light = sample_chosen_light(&self.world, choice, s.position, u, texel);
+        let mut light = sample_chosen_light(&self.world, choice, (s.position, &s.frame), u, texel);
         if self.broken.is_some() && !light.delta && light.pdf.0 > 0.0 {
             let pdf = BrokenTwin::measure(
                 self.broken,
@@ -338,7 +338,7 @@ impl<'a> Direct<'a> {
             origin: s.origin,
             direction: to_world(&s.frame, wi),
         };
-        let (radiance, pdf_light) = self.light_in_direction(s.position, &ray, sample);
+        let (radiance, pdf_light) = self.light_in_direction(s, &ray, sample);
         let mut contribution = radiance * weight;
         if self.sample_lights {
             let pdf_light = BrokenTwin::density(self.broken, pdf_light);
@@ -348,10 +348,10 @@ impl<'a> Direct<'a> {
         contribution
     }
 
-    /// Radiance along `ray`, and the density with which light sampling from `x` would have chosen its direction.
+    /// Radiance along `ray`, and the density with which light sampling from `s` would have chosen its direction.
     fn light_in_direction(
         &self,
-        x: DVec3,
+        s: &Surface,
         ray: &Ray,
         sample: &mut Sample,
     ) -> (DVec3, PdfSolidAngle) {
@@ -381,7 +381,14 @@ impl<'a> Direct<'a> {
             sample.conditions.bsdf_light_curvature = hit.t / radius;
         }
         let (choice, on_light) = pdf_light_area(world, light);
-        let pdf = pdf_area_light(world, light, x, hit.t * hit.t, y.wo.z);
+        let pdf = pdf_area_light(
+            world,
+            light,
+            (s.position, &s.frame),
+            ray.direction,
+            hit.t * hit.t,
+            y.wo.z,
+        );
         (
             emitted_radiance(world, light, y.front),
             BrokenTwin::measure(self.broken, choice, Some(on_light), pdf),

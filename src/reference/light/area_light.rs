@@ -1,6 +1,7 @@
 //! Sampling of lights with a surface: uniformly over its area, or over the solid angle in which a point sees it.
 
 use super::disk::{pdf_disk_area, sample_disk_area};
+use super::polygon::{ProjectedPolygon, project_polygon, sample_projected_polygon};
 use super::rectangle::{
     pdf_rectangle_area, sample_rectangle_area, sample_rectangle_solid_angle, spherical_rectangle,
 };
@@ -12,6 +13,7 @@ use super::triangle::{
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
 use crate::emitters::Emitter;
+use crate::reference::core::frame::{ShadingFrame, to_local, to_world};
 use crate::reference::core::math::max_abs;
 use crate::reference::core::pdf::{
     PdfArea, PdfDiscrete, PdfSolidAngle, area_to_solid_angle, chosen,
@@ -70,6 +72,8 @@ pub struct AreaLight {
     pub two_sided: bool,
     /// Whether it is sampled over its solid angle.
     pub by_solid_angle: bool,
+    /// Whether that is projected.
+    pub projected: bool,
 }
 
 /// Light `index`, which has a surface.
@@ -88,6 +92,7 @@ pub fn area_light(world: &World<'_>, index: u32) -> AreaLight {
         radiance,
         two_sided,
         by_solid_angle: prepared.effects.contains(Effect::SolidAngleLights),
+        projected: prepared.effects.contains(Effect::ProjectedLights),
     }
 }
 
@@ -175,6 +180,21 @@ fn sample_direction(geometry: &PrimitiveGeometry, x: DVec3, u: DVec2) -> Option<
     (solid_angle >= MIN_SOLID_ANGLE).then_some((direction, solid_angle))
 }
 
+/// Projected solid angles below this are sampled by solid angle.
+pub const MIN_PROJECTED: f64 = 1e-4;
+
+/// A triangle or rectangle as `frame` at `x` sees it; `None` for other lights, and where its projected solid angle is too
+/// small to be sampled.
+fn projected(light: &AreaLight, x: DVec3, frame: &ShadingFrame) -> Option<ProjectedPolygon> {
+    let vertices = match light.geometry {
+        PrimitiveGeometry::Triangle { a, u, v } => vec![a, a + u, a + v],
+        PrimitiveGeometry::Rectangle { a, u, v } => vec![a, a + u, a + u + v, a + v],
+        PrimitiveGeometry::Disk { .. } | PrimitiveGeometry::Sphere { .. } => return None,
+    };
+    let local: Vec<DVec3> = vertices.iter().map(|p| to_local(frame, p - x)).collect();
+    Some(project_polygon(&local)).filter(|p| light.projected && p.area >= MIN_PROJECTED)
+}
+
 /// Where the ray from `x` in direction `wi` meets the light.
 fn point_in_direction(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> Option<LightPoint> {
     let (position, normal) = match *geometry {
@@ -208,25 +228,41 @@ fn point_in_direction(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> Opti
     })
 }
 
-/// A sample of a light with a surface, seen from `x`.
+/// A direction towards the light that is not chosen by area, and its density.
+fn sample_by_direction(
+    light: &AreaLight,
+    x: DVec3,
+    frame: &ShadingFrame,
+    u: DVec2,
+) -> Option<(DVec3, PdfSolidAngle)> {
+    if let Some(polygon) = projected(light, x, frame) {
+        let local = sample_projected_polygon(&polygon, u);
+        let pdf = PdfSolidAngle(local.z.max(1e-7) / polygon.area);
+        return Some((to_world(frame, local), pdf));
+    }
+    if !light.by_solid_angle {
+        return None;
+    }
+    let (wi, solid_angle) = sample_direction(&light.geometry, x, u)?;
+    Some((wi, pdf_uniform_solid_angle(solid_angle)))
+}
+
+/// A sample of a light with a surface, seen from `x` on a surface with the frame `frame`.
 pub fn sample_area_light(
     light: &AreaLight,
     choice: PdfDiscrete,
     x: DVec3,
+    frame: &ShadingFrame,
     u: DVec2,
 ) -> LightSample {
-    let direction = if light.by_solid_angle {
-        sample_direction(&light.geometry, x, u)
-    } else {
-        None
-    };
+    let direction = sample_by_direction(light, x, frame, u);
     let on_light = PdfArea(1.0 / light.geometry.area());
     let (point, wi, pdf) = match direction {
-        Some((wi, solid_angle)) => {
+        Some((wi, pdf)) => {
             let Some(point) = point_in_direction(&light.geometry, x, wi) else {
                 return no_light();
             };
-            (point, wi, Some(pdf_uniform_solid_angle(solid_angle)))
+            (point, wi, Some(pdf))
         }
         None => {
             let (point, _) = sample_area(&light.geometry, u);
@@ -275,17 +311,24 @@ pub fn pdf_light_area(world: &World<'_>, light: u32) -> (PdfDiscrete, PdfArea) {
     (PdfDiscrete(selection), PdfArea(1.0 / area))
 }
 
-/// Density with which light sampling from `x` would have chosen the direction in which a ray met a light's surface,
-/// light selection included: `distance_squared` away, at cosine `cos_light` > 0.
+/// Density with which light sampling from `x`, on a surface with the frame `frame`, would have chosen the direction `wi`
+/// in which a ray met a light's surface, light selection included: `distance_squared` away, at cosine `cos_light` > 0.
 pub fn pdf_area_light(
     world: &World<'_>,
     light: u32,
-    x: DVec3,
+    (x, frame): (DVec3, &ShadingFrame),
+    wi: DVec3,
     distance_squared: f64,
     cos_light: f64,
 ) -> PdfSolidAngle {
     let (selection, on_light) = pdf_light_area(world, light);
     let light = area_light(world, light);
+    if let Some(polygon) = projected(&light, x, frame) {
+        return chosen(
+            selection,
+            PdfSolidAngle(frame.z.dot(wi).max(0.0) / polygon.area),
+        );
+    }
     let sampled = if light.by_solid_angle {
         sample_direction(&light.geometry, x, DVec2::ZERO)
     } else {

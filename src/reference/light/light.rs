@@ -8,6 +8,7 @@ use super::environment::{
 use super::sphere::sample_sphere_area;
 use super::spot::spot_falloff;
 use crate::emitters::Emitter;
+use crate::reference::core::frame::ShadingFrame;
 use crate::reference::core::pdf::{PdfArea, PdfDiscrete, PdfSolidAngle, chosen};
 use crate::reference::scene::fetch::World;
 use crate::scene::light::Interpolation;
@@ -70,18 +71,19 @@ fn delta_light_sample(light: &Light, choice: PdfDiscrete, x: DVec3) -> LightSamp
     }
 }
 
-/// A sample of the chosen light from `x`. `u` is the point on the light, `texel` a random word.
+/// A sample of the chosen light from `x`, on a surface with the frame `frame`. `u` is the point on the light, `texel` a
+/// random word.
 pub fn sample_chosen_light(
     world: &World<'_>,
     choice: Choice,
-    x: DVec3,
+    (x, frame): (DVec3, &ShadingFrame),
     u: DVec2,
     texel: u32,
 ) -> LightSample {
     let probability = choice.probability;
     match &world.prepared.emitters.lights[choice.index as usize] {
         Emitter::Area { .. } => {
-            sample_area_light(&area_light(world, choice.index), probability, x, u)
+            sample_area_light(&area_light(world, choice.index), probability, x, frame, u)
         }
         Emitter::Delta(light) => delta_light_sample(light, probability, x),
         Emitter::Environment => sample_environment(world, probability, x, u, texel),

@@ -9,6 +9,7 @@ pub mod area_light;
 pub mod disk;
 pub mod environment;
 pub mod light;
+pub mod polygon;
 pub mod rectangle;
 pub mod sphere;
 pub mod spot;

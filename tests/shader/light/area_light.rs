@@ -8,6 +8,7 @@ use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, emitter, floor_pixel, render};
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
+use direkt::reference::core::frame::frame_from_normal;
 use direkt::reference::core::pdf::PdfDiscrete;
 use direkt::reference::exact::solid_angle::{cone_solid_angle, polygon_solid_angle};
 use direkt::reference::light::area_light::{area_light, sample_area_light};
@@ -55,10 +56,12 @@ fn solid_angle_samples_are_the_twins() {
     let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
     let world = World::new(&prepared);
     let function = Function {
-        imports: "import package::light::area_light::sample_area_light;
+        imports: "import package::core::frame::frame_from_normal;
+                  import package::light::area_light::sample_area_light;
                   import package::core::pdf::PdfDiscrete;
                   import package::scene::fetch::fetch_light;",
-        body: "let s = sample_area_light(fetch_light(in_u32(0u)), PdfDiscrete(0.5), in_vec3f(1u), in_vec2f(4u));
+        body: "let facing = frame_from_normal(vec3f(0.0, 0.0, 1.0));
+               let s = sample_area_light(fetch_light(in_u32(0u)), PdfDiscrete(0.5), in_vec3f(1u), facing, in_vec2f(4u));
                out_vec3f(0u, s.wi);
                out_f32(3u, s.pdf.value);",
         inputs: 6,
@@ -90,7 +93,8 @@ fn solid_angle_samples_are_the_twins() {
     let mut compared = 0;
     for ((index, x, u), (wi, pdf)) in items.iter().zip(answers.vec3(0).zip(answers.f64(3))) {
         let light = area_light(&world, *index);
-        let twin = sample_area_light(&light, PdfDiscrete(0.5), *x, *u);
+        let facing = frame_from_normal(DVec3::Z);
+        let twin = sample_area_light(&light, PdfDiscrete(0.5), *x, &facing, *u);
         let solid_angle = exact_solid_angle(&light.geometry, *x);
         let away = solid_angle > 1e-3 && solid_angle < 1.5;
         if !away || twin.pdf.0 == 0.0 || pdf == 0.0 {

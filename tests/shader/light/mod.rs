@@ -9,6 +9,7 @@ mod area_light;
 mod disk;
 mod environment;
 mod light;
+mod polygon;
 mod rectangle;
 mod sphere;
 mod spot;

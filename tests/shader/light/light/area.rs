@@ -1,6 +1,6 @@
 //! Directions towards area lights against their density per solid angle.
 
-use super::{DRAWN, directions, prepared, receivers};
+use super::{DRAWN, directions, facing_z, prepared, receivers};
 use crate::support::every_kind::constant_environment;
 use crate::support::{context, histogram, statistics};
 use direkt::accel::PrimitiveGeometry;
@@ -136,7 +136,8 @@ fn directions_match_pdf(sampling: LightSampling) {
                 let wi = towards(geometry, x, p);
                 let (_, to_solid_angle) = on_light(geometry, x, wi);
                 let (d2, cos) = distance_and_cosine(geometry, x, wi);
-                let pdf = pdf_area_light(&world, index, x, d2, cos).0 / selection;
+                let pdf =
+                    pdf_area_light(&world, index, (x, &facing_z()), wi, d2, cos).0 / selection;
                 all * pdf * to_solid_angle * cos.powf(cosines)
             };
             let what = format!(

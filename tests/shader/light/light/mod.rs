@@ -8,7 +8,7 @@ use crate::support::shader::{Function, call_in};
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
 use direkt::gpu::Context;
-use direkt::reference::core::frame::frame_from_normal;
+use direkt::reference::core::frame::{ShadingFrame, frame_from_normal};
 use direkt::reference::light::area_light::LightSample;
 use direkt::reference::light::environment::map_from_direction;
 use direkt::reference::light::light::emitted_radiance;
@@ -25,7 +25,8 @@ mod choice;
 mod environment;
 mod samples;
 
-const IMPORTS: &str = "import package::core::pdf::PdfDiscrete;
+const IMPORTS: &str = "import package::core::frame::frame_from_normal;
+    import package::core::pdf::PdfDiscrete;
     import package::core::ray::Ray;
     import package::core::rng::{pcg4d, to_unit_2d};
     import package::light::alias_table::Choice;
@@ -40,6 +41,11 @@ fn prepared(environment: Environment, sampling: LightSampling) -> Prepared {
     let mut scene = every_kind(environment);
     scene.render.light_sampling = sampling;
     Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform)
+}
+
+/// The frame of a surface that faces +z: samples by area and by solid angle do not depend on it.
+fn facing_z() -> ShadingFrame {
+    frame_from_normal(DVec3::Z)
 }
 
 /// Centre, a vector along the front's normal (any, for what has none), and size.
@@ -144,7 +150,8 @@ fn directions(
     let body = format!(
         "let words = pcg4d(vec4u(item, 41u, 42u, {seed}u));
          let s = sample_chosen_light(
-             Choice({index}u, PdfDiscrete(1.0)), vec3f({:?}, {:?}, {:?}), to_unit_2d(words.xy), words.z);
+             Choice({index}u, PdfDiscrete(1.0)), vec3f({:?}, {:?}, {:?}), frame_from_normal(vec3f(0.0, 0.0, 1.0)),
+             to_unit_2d(words.xy), words.z);
          out_vec3f(0u, s.wi);
          out_f32(3u, s.pdf.value);",
         x.x, x.y, x.z

@@ -1,6 +1,6 @@
 //! Samples against the twin, and against what the ray that they send evaluates.
 
-use super::{IMPORTS, errors, prepared, receivers, texel_error};
+use super::{IMPORTS, errors, facing_z, prepared, receivers, texel_error};
 use crate::support::every_kind::{constant_environment, environment_map};
 use crate::support::random::{numbers, rounded};
 use crate::support::rounding::U;
@@ -30,7 +30,8 @@ fn sampled(context: &Context, prepared: &Prepared, items: &[Item]) -> Answers {
     let function = Function {
         imports: IMPORTS,
         body: "let choice = Choice(in_u32(0u), PdfDiscrete(in_f32(1u)));
-               let s = sample_chosen_light(choice, in_vec3f(2u), in_vec2f(5u), in_u32(7u));
+               let s = sample_chosen_light(
+                   choice, in_vec3f(2u), frame_from_normal(vec3f(0.0, 0.0, 1.0)), in_vec2f(5u), in_u32(7u));
                out_vec3f(0u, s.wi); out_vec3f(3u, s.target_point); out_vec3f(6u, s.radiance_over_pdf);
                out_f32(9u, s.pdf.value); out_bool(10u, s.delta);",
         inputs: 8,
@@ -85,7 +86,13 @@ fn light_samples_are_the_twins() {
             items.iter().zip(vectors.zip(numbers))
         {
             let light = &prepared.emitters.lights[item.choice.index as usize];
-            let s = sample_chosen_light(&world, item.choice, item.x, item.u, item.texel);
+            let s = sample_chosen_light(
+                &world,
+                item.choice,
+                (item.x, &facing_z()),
+                item.u,
+                item.texel,
+            );
             let what = format!(
                 "{}: {light:?} from {}, {}",
                 context.adapter.name, item.x, item.u
@@ -182,14 +189,16 @@ fn claimed_densities_are_the_evaluated_ones() {
         body: "let index = in_u32(0u);
                let light = fetch_light(index);
                let x = in_vec3f(1u);
-               let s = sample_chosen_light(Choice(index, PdfDiscrete(light.selection)), x, in_vec2f(4u), in_u32(6u));
+               let facing = frame_from_normal(vec3f(0.0, 0.0, 1.0));
+               let s = sample_chosen_light(
+                   Choice(index, PdfDiscrete(light.selection)), x, facing, in_vec2f(4u), in_u32(6u));
                let ray = Ray(x, s.wi);
                let hit = closest_hit(ray);
                var pdf = 0.0;
                if hit.primitive != 0xffffffffu {
                    let y = surface_at(ray, hit, -ray.direction);
                    if y.light == index && y.front {
-                       pdf = pdf_area_light(index, x, hit.t * hit.t, y.wo.z).value;
+                       pdf = pdf_area_light(index, x, facing, s.wi, hit.t * hit.t, y.wo.z).value;
                    }
                }
                if light.kind == LIGHT_ENVIRONMENT {
@@ -228,7 +237,7 @@ fn claimed_densities_are_the_evaluated_ones() {
             index: *index,
             probability: PdfDiscrete(prepared.emitters.probability(*index as usize)),
         };
-        let s = sample_chosen_light(&world, choice, *x, *u, *texel);
+        let s = sample_chosen_light(&world, choice, (*x, &facing_z()), *u, *texel);
         let (angle, relative) = errors(&prepared, light, *x, &s);
         let hidden = evaluated == 0.0 || claimed == 0.0;
         let at_edge =
