@@ -98,12 +98,12 @@ pub struct Discrete {
     pub probability: Vec<f64>,
 }
 
-/// The mean and the mean square of the steps that a sample takes.
+/// The steps that a sample takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Steps {
-    /// E[steps].
+    /// Mean number of steps.
     pub mean: f64,
-    /// E[steps²].
+    /// Mean square of the number of steps.
     pub square: f64,
 }
 

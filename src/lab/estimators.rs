@@ -377,7 +377,7 @@ fn add_plots(plots: &mut Vec<Plot>, estimator: &Estimator, found: &[Moments], co
     };
     let points = SAMPLES.iter().zip(found);
     plots[0].series.push(Series {
-        name: estimator.name.chars().take(24).collect(),
+        name: short_name(estimator.name).to_owned(),
         points: points.map(|(&n, m)| (f64::from(n), error(m))).collect(),
         mark: match estimator.class {
             Class::BiasedInconsistent | Class::UnbiasedInconsistent => Mark::Dashed,
@@ -385,4 +385,9 @@ fn add_plots(plots: &mut Vec<Plot>, estimator: &Estimator, found: &[Moments], co
         },
         colour,
     });
+}
+
+/// What comes before a name's first comma or colon.
+fn short_name(name: &str) -> &str {
+    name.split([',', ':']).next().unwrap_or(name)
 }

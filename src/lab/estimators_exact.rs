@@ -48,15 +48,24 @@ pub fn importance(n: u32) -> Moments2 {
 /// 1/mean of n values Y = 16u: A = n, B = ΣY, ψ(t) = (1 − e^(−16t))/(16t). Its variance is finite from n = 3 on.
 pub fn reciprocal(n: u32) -> Moments2 {
     let count = f64::from(n);
-    // With s = 16t the n-th power of (1 − e^−s)/s; beyond `CUT` it is s^−n to 1e-26.
-    const CUT: f64 = 60.0;
+    // With s = 16t the n-th power of (1 − e^−s)/s.
     let power = |s: f64| {
         let psi = if s < 1e-9 { 1.0 } else { -(-s).exp_m1() / s };
         psi.powi(n as i32)
     };
-    let tail = |moment: f64| CUT.powf(moment - count) / (count - moment);
-    let first = over(|s| power(s), CUT) + tail(1.0);
-    let second = over(|s| s * power(s), CUT) + tail(2.0);
+    // Where it is nothing, or from 60 on, where it is s^−n to 1e-26.
+    let cuts = (0..).map(|k| 60.0 * (-f64::from(k)).exp2());
+    let cut = cuts.take_while(|&s| s > 59.0 || power(s) < 1e-25).last();
+    let cut: f64 = cut.unwrap_or(60.0);
+    let tail = |moment: f64| {
+        if cut > 59.0 {
+            cut.powf(moment - count) / (count - moment)
+        } else {
+            0.0
+        }
+    };
+    let first = over(power, cut) + tail(1.0);
+    let second = over(|s| s * power(s), cut) + tail(2.0);
     let mean = count / 16.0 * first;
     of(mean, (count / 16.0).powi(2) * second - mean * mean)
 }
@@ -64,7 +73,7 @@ pub fn reciprocal(n: u32) -> Moments2 {
 /// 4·Σ(x/p)/Σ(1/p), x drawn by p = (6 − x)/16: a = 4x/p, b = 1/p.
 pub fn normalised(n: u32) -> Moments2 {
     let count = f64::from(n);
-    let nodes: Vec<(f64, f64)> = Rule::Gauss.points(200);
+    let nodes: Vec<(f64, f64)> = Rule::Gauss.points(100);
     // E[g(x)] = ∫₀⁴ p g dx.
     let expectation = |g: &dyn Fn(f64, f64) -> f64| -> f64 {
         let terms = nodes.iter().map(|&(u, weight)| {
@@ -77,7 +86,7 @@ pub fn normalised(n: u32) -> Moments2 {
     // ψ falls at least as e^(−8t/3).
     let cut = 45.0 / (count * 8.0 / 3.0);
     let (mut mean, mut square) = (0.0, 0.0);
-    for (u, weight) in Rule::Gauss.points(400) {
+    for (u, weight) in Rule::Gauss.points(1600) {
         let t = cut * u;
         let psi = expectation(&|_, p| (-t / p).exp());
         let a = expectation(&|x, p| 4.0 * x / p * (-t / p).exp());
@@ -106,7 +115,7 @@ pub fn spread(n: u32) -> Moments2 {
     of(VARIANCE * factor, unbiased * factor * factor)
 }
 
-/// Mean of min(Y, 12): 7.5, E[min²] = 72.
+/// Mean of min(Y, 12), whose own mean is 7.5 and whose mean square is 72.
 pub fn clamped(n: u32) -> Moments2 {
     of(7.5, 15.75 / f64::from(n))
 }

@@ -194,24 +194,10 @@ pub fn run(context: &Context, settings: &Settings) -> Result<Report, GpuError> {
         let blocks = draw(&bench, settings, row.density, scaled, i as u32)?;
         let found = merged(&blocks);
         let exact = row.density.variance();
-        let variance = found.variance().unwrap_or(f64::NAN);
         let half = variance_half_width(&blocks);
-        let error = CONFIDENCE_95 * found.variance_of_mean().unwrap_or(0.0).sqrt();
-        table.push(vec![
-            Cell::text(row.name),
-            Cell::with_error(found.mean, error, 4),
-            Cell::with_error(variance, half, 3),
-            Cell::shown(exact, format!("{} = {exact:.8}", row.closed_form)),
-            Cell::shown(
-                row.printed_variance,
-                mark(row.printed_variance, row.printed_is_right()),
-            ),
-            Cell::count((variance / STANDARD_DEVIATION.powi(2)).max(1.0)),
-            Cell::count(row.samples_needed()),
-            Cell::count(row.printed_samples),
-        ]);
+        table.push(table_row(row, &found, half));
         if !row.printed_is_right() {
-            report.notes.push(misprint(row, variance, half));
+            report.notes.push(misprint(row, &found, half));
         }
         report.checks.extend(checks(row, &found));
         let measured = rms_errors(&blocks, INTEGRAL);
@@ -242,12 +228,33 @@ pub fn run(context: &Context, settings: &Settings) -> Result<Report, GpuError> {
     Ok(report)
 }
 
-fn mark(printed: f64, right: bool) -> String {
-    let wrong = if right { "" } else { " (wrong)" };
-    format!("{printed}{wrong}")
+/// `half` is half the width of the variance's interval.
+fn table_row(row: &Row, found: &Moments, half: f64) -> Vec<Cell> {
+    let exact = row.density.variance();
+    let variance = found.variance().unwrap_or(f64::NAN);
+    let error = CONFIDENCE_95 * found.variance_of_mean().unwrap_or(0.0).sqrt();
+    let wrong = if row.printed_is_right() {
+        ""
+    } else {
+        " (wrong)"
+    };
+    vec![
+        Cell::text(row.name),
+        Cell::with_error(found.mean, error, 4),
+        Cell::with_error(variance, half, 3),
+        Cell::shown(exact, format!("{} = {exact:.8}", row.closed_form)),
+        Cell::shown(
+            row.printed_variance,
+            format!("{}{wrong}", row.printed_variance),
+        ),
+        Cell::count((variance / STANDARD_DEVIATION.powi(2)).max(1.0)),
+        Cell::count(row.samples_needed()),
+        Cell::count(row.printed_samples),
+    ]
 }
 
-fn misprint(row: &Row, variance: f64, half: f64) -> String {
+fn misprint(row: &Row, found: &Moments, half: f64) -> String {
+    let variance = found.variance().unwrap_or(f64::NAN);
     let meant = row.printed_samples * STANDARD_DEVIATION.powi(2);
     format!(
         "printed variance {} of p = {} is wrong: exact {} = {:.8}, measured {variance:.3} ± {half:.3}; \

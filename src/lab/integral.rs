@@ -115,7 +115,7 @@ impl Case {
         corner(seed, index)[..self.dimensions as usize].to_vec()
     }
 
-    /// What f32 may add, relative to a sum of positive terms: [`RUN`] additions, and per term an exponential (WGSL grants
+    /// What f32 may add, relative to a sum of positive terms: 16 additions, and per term an exponential (WGSL grants
     /// 3 + 2|x| ulp), coordinates, weights and constants. Half of `f32::EPSILON` is one rounding.
     pub fn allowance(&self) -> f64 {
         (21.0 + 16.0 * f64::from(self.dimensions)) * 0.5 * f64::from(f32::EPSILON)

@@ -15,6 +15,7 @@ use super::report::{Cell, Check, Report, Table};
 use super::{BLOCK, CONFIDENCE_95, Settings, expected_errors, rms_errors};
 use crate::error::GpuError;
 use crate::gpu::Context;
+use crate::stats::moments::Moments;
 use std::f64::consts::PI;
 
 /// A way to π.
@@ -95,39 +96,16 @@ pub fn run(context: &Context, settings: &Settings) -> Result<Report, GpuError> {
     for (i, method) in methods().iter().enumerate() {
         let blocks = draw(&bench, settings, i as u32)?.blocks;
         let found = merged(&blocks);
-        let n = found.count as f64;
         let variance = found.variance().unwrap_or(f64::NAN);
         let efficiency = 1.0 / (variance * method.numbers);
         let base = *first.get_or_insert(efficiency);
-        let error = CONFIDENCE_95 * found.variance_of_mean().unwrap_or(0.0).sqrt();
-        table.push(vec![
-            Cell::text(method.name),
-            Cell::with_error(found.mean, error, 4),
-            Cell::fixed(PI, 6),
-            Cell::with_error(
-                variance,
-                CONFIDENCE_95 * variance * ((method.kurtosis - 1.0) / n).sqrt(),
-                4,
-            ),
-            Cell::fixed(method.variance, 6),
-            Cell::fixed(method.numbers, 0),
+        let mut row = table_row(method, &found);
+        row.extend([
             Cell::fixed(efficiency, 3),
             Cell::fixed(efficiency / base, 2),
         ]);
-        report.checks.push(Check::mean(
-            format!("mean of {}", method.name),
-            found.mean,
-            PI,
-            method.variance / n,
-            1e-5,
-        ));
-        report.checks.push(Check::variance(
-            format!("variance of {}", method.name),
-            variance,
-            method.variance,
-            (method.kurtosis, n),
-            1e-5,
-        ));
+        table.push(row);
+        report.checks.extend(checks(method, &found));
         let measured = rms_errors(&blocks, PI);
         series.push(Series {
             points: expected_errors(&measured, method.variance),
@@ -157,6 +135,42 @@ pub fn run(context: &Context, settings: &Settings) -> Result<Report, GpuError> {
         series,
     });
     Ok(report)
+}
+
+/// All but the efficiencies.
+fn table_row(method: &Method, found: &Moments) -> Vec<Cell> {
+    let variance = found.variance().unwrap_or(f64::NAN);
+    let error = CONFIDENCE_95 * found.variance_of_mean().unwrap_or(0.0).sqrt();
+    let relative = ((method.kurtosis - 1.0) / found.count as f64).sqrt();
+    vec![
+        Cell::text(method.name),
+        Cell::with_error(found.mean, error, 4),
+        Cell::fixed(PI, 6),
+        Cell::with_error(variance, CONFIDENCE_95 * variance * relative, 4),
+        Cell::fixed(method.variance, 6),
+        Cell::fixed(method.numbers, 0),
+    ]
+}
+
+/// What mean and variance of the samples have to be.
+fn checks(method: &Method, found: &Moments) -> [Check; 2] {
+    let n = found.count as f64;
+    [
+        Check::mean(
+            format!("mean of {}", method.name),
+            found.mean,
+            PI,
+            method.variance / n,
+            1e-5,
+        ),
+        Check::variance(
+            format!("variance of {}", method.name),
+            found.variance().unwrap_or(f64::NAN),
+            method.variance,
+            (method.kurtosis, n),
+            1e-5,
+        ),
+    ]
 }
 
 /// Points of the quarter circle found by rejection: attempts until one is kept are geometric with p = π/4.

@@ -51,9 +51,10 @@ const LEFT: f64 = 72.0;
 const RIGHT: f64 = 190.0;
 const TOP: f64 = 40.0;
 const BOTTOM: f64 = 52.0;
-/// Okabe & Ito 2008: told apart by colour-blind readers as well.
-const COLOURS: [&str; 8] = [
+/// Okabe & Ito 2008: told apart by colour-blind readers as well; then four more.
+const COLOURS: [&str; 12] = [
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666", "#a08800",
+    "#000000", "#7b3294", "#8b4513", "#88a0b0",
 ];
 
 /// One axis: values to pixels.

@@ -72,7 +72,6 @@ impl Row {
         if matches!(method, Method::Rule(_)) {
             let off = self.ladder.iter().map(|m| m.off).fold(0.0, f64::max);
             let name = format!("{what}: largest difference to the closed form");
-            // Simpson's weights reach 4/3 of the mean, which positive terms allow for.
             return vec![Check::exact(name, off, 0.0, last.case.allowance())];
         }
         let normalised = last.errors.iter().zip(&last.deviations);

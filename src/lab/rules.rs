@@ -91,7 +91,7 @@ impl Rule {
         }
     }
 
-    /// The rule's integral of [x < c].
+    /// The rule's integral of the step that is 1 below `c`, else 0.
     pub fn of_step(self, panels: u32, c: f64) -> f64 {
         let below = self.points(panels).into_iter().filter(|p| p.0 < c);
         below.map(|p| p.1).sum()
