@@ -24,6 +24,7 @@
 //!
 //! One direction only: `scene ← accel ← gpu ← render ← cli`. Two modules stand beside it: [`stats`] decides whether
 //! samples agree with what they should be, [`reference`](mod@reference) computes what they should be; both in f64.
+//! [`lab`] runs kernels without a scene.
 //!
 //! # A render, from code
 //!
@@ -82,6 +83,7 @@ pub mod emitters;
 pub mod error;
 pub mod gpu;
 pub mod image;
+pub mod lab;
 pub mod reference;
 pub mod render;
 pub mod scene;

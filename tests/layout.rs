@@ -2,6 +2,7 @@
 
 use direkt::gpu::layout::{self, Dispatch, Frame, PixelState, SampleRecord};
 use direkt::gpu::shader::{Config, link_with};
+use direkt::lab::layout::{LabBlock, LabRun};
 use std::mem::offset_of;
 
 /// A module that keeps all shared structs and constants alive.
@@ -121,6 +122,35 @@ fn structs_have_the_same_members() {
     check(&module, "Frame", size_of::<Frame>(), &frame);
     check(&module, "Dispatch", size_of::<Dispatch>(), &dispatch);
     check(&module, "PixelState", size_of::<PixelState>(), &state);
+}
+
+#[test]
+fn the_labs_structs_have_the_same_members() {
+    let source = "import package::lab::types::{LabRun, LabBlock};
+        @group(0) @binding(0) var<uniform> work: LabRun;
+        @group(0) @binding(1) var<storage, read_write> block: LabBlock;
+        @compute @workgroup_size(1) fn main() { block.samples = work.samples; }";
+    let wgsl = link_with("test_layout", Some(source), [], Config { stack_depth: 4 }).unwrap();
+    let module = naga::front::wgsl::parse_str(&wgsl).unwrap();
+    let run = members!(LabRun {
+        variant,
+        items,
+        first_item,
+        samples,
+        seed,
+        stream,
+        size,
+        dimensions,
+        constants,
+    });
+    let block = members!(LabBlock {
+        mean,
+        m2,
+        samples,
+        tries,
+    });
+    check(&module, "LabRun", size_of::<LabRun>(), &run);
+    check(&module, "LabBlock", size_of::<LabBlock>(), &block);
 }
 
 #[test]

@@ -11,6 +11,7 @@
 mod cli;
 mod compare;
 mod doctor;
+mod lab;
 mod layout;
 mod permutations;
 mod render;

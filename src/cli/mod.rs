@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod doctor;
 mod explain;
+mod lab;
 mod outputs;
 mod progress;
 mod render;
@@ -30,6 +31,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Tell which effects a scene calls for, and why
     Explain(explain::Arguments),
+    /// Run the experiments of a lecture on Monte Carlo integration: exit 0 when all agree with their exact values
+    Lab(lab::Arguments),
     /// Tell whether the adapters of this machine can be trusted
     Doctor(doctor::Arguments),
 }
@@ -42,6 +45,7 @@ pub fn main() -> ExitCode {
         Command::Render(arguments) => render::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
+        Command::Lab(arguments) => lab::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
     };
     match result {

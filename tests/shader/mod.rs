@@ -3,5 +3,6 @@
 mod bsdf;
 mod core;
 mod kernel;
+mod lab;
 mod light;
 mod scene;

@@ -3,6 +3,13 @@
 mod accumulate;
 mod camera;
 mod direct;
+mod lab_bindings;
+mod lab_discrete;
+mod lab_estimators;
+mod lab_importance;
+mod lab_pi;
+mod lab_quadrature;
+mod lab_sampling;
 mod loop_canary;
 mod record;
 mod sample_record;

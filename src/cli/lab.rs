@@ -1,0 +1,154 @@
+//! `direkt lab`: the experiments of a lecture on Monte Carlo integration.
+
+use super::{AdapterArgument, JsonArgument, print};
+use crate::error::Error;
+use crate::gpu::{AdapterFacts, Context};
+use crate::image::write_atomically;
+use crate::lab::report::Report;
+use crate::lab::{Experiment, Settings, run as run_experiment};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Arguments of `direkt lab`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Run this experiment only; may be repeated
+    #[arg(long = "experiment", value_enum, value_name = "NAME")]
+    experiments: Vec<Experiment>,
+    /// Samples per row, from 65536 on
+    #[arg(long, default_value_t = Settings::default().samples)]
+    samples: u32,
+    /// Seed of the random numbers
+    #[arg(long, default_value_t = 0)]
+    seed: u32,
+    /// Write the plots as SVG files into this folder, which is made where it is missing
+    #[arg(short, long = "output", value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Make every density 2 % too large, which the checks have to find: exit 1
+    #[arg(long = "break")]
+    broken: bool,
+    #[command(flatten)]
+    adapter: AdapterArgument,
+    #[command(flatten)]
+    json: JsonArgument,
+}
+
+/// What `--json` writes.
+#[derive(Debug, Serialize)]
+struct Facts {
+    direkt: &'static str,
+    adapter: AdapterFacts,
+    samples: u32,
+    seed: u32,
+    broken: bool,
+    agrees: bool,
+    experiments: Vec<Report>,
+}
+
+/// Runs the command; 1 when a measured value differs from the exact one.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
+    let settings = Settings {
+        samples: arguments.samples,
+        seed: arguments.seed,
+        density_scale: if arguments.broken { 1.02 } else { 1.0 },
+    };
+    settings
+        .validate()
+        .map_err(|e| Error::Usage(format!("--samples: {e}")))?;
+    if let Some(folder) = &arguments.output {
+        make_folder(folder)?;
+    }
+    let context = Context::new(arguments.adapter.adapter.as_deref())?;
+    let to_stdout = !arguments.json.is_stdout();
+    if to_stdout {
+        print(&heading(&context, arguments))?;
+    }
+    let mut experiments = Vec::new();
+    for experiment in chosen(&arguments.experiments) {
+        let report = run_experiment(&context, experiment, &settings)?;
+        if to_stdout {
+            print(&report.text())?;
+        }
+        if let Some(folder) = &arguments.output {
+            write_plots(folder, &report)?;
+        }
+        experiments.push(report);
+    }
+    let facts = Facts {
+        direkt: env!("CARGO_PKG_VERSION"),
+        adapter: context.adapter.clone(),
+        samples: settings.samples,
+        seed: settings.seed,
+        broken: arguments.broken,
+        agrees: experiments.iter().all(Report::agrees),
+        experiments,
+    };
+    arguments.json.write(&facts)?;
+    if to_stdout {
+        print(if facts.agrees {
+            "verdict: all measured values agree with the exact ones\n"
+        } else {
+            "verdict: measured values DIFFER from the exact ones\n"
+        })?;
+    }
+    Ok(if facts.agrees {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    })
+}
+
+/// All where none was named; each once, in the order of the lecture.
+fn chosen(named: &[Experiment]) -> Vec<Experiment> {
+    let all = Experiment::ALL.into_iter();
+    all.filter(|e| named.is_empty() || named.contains(e))
+        .collect()
+}
+
+fn heading(context: &Context, arguments: &Arguments) -> String {
+    let broken = if arguments.broken {
+        "broken on purpose: every density is 2 % too large\n"
+    } else {
+        ""
+    };
+    format!(
+        "{} samples per row, seed {}, on {} ({})\n{broken}\n",
+        arguments.samples, arguments.seed, context.adapter.name, context.adapter.driver
+    )
+}
+
+fn make_folder(folder: &Path) -> Result<(), Error> {
+    if folder.is_file() {
+        return Err(Error::Usage(format!(
+            "{} is a file; name a folder",
+            folder.display()
+        )));
+    }
+    std::fs::create_dir_all(folder).map_err(|source| Error::Write {
+        path: folder.to_path_buf(),
+        source,
+    })
+}
+
+fn write_plots(folder: &Path, report: &Report) -> Result<(), Error> {
+    for plot in &report.plots {
+        let path = folder.join(format!("{}.svg", plot.file));
+        write_atomically(&path, plot.svg().as_bytes())?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn experiments_run_once_and_all_where_none_is_named() {
+        assert_eq!(chosen(&[]), Experiment::ALL);
+        assert_eq!(
+            chosen(&[Experiment::Pi, Experiment::Importance, Experiment::Pi]),
+            [Experiment::Importance, Experiment::Pi]
+        );
+    }
+}
