@@ -77,6 +77,7 @@
 pub mod accel;
 pub mod cli;
 pub mod compare;
+pub mod cost;
 pub mod effects;
 pub mod emitters;
 pub mod error;
@@ -84,5 +85,6 @@ pub mod gpu;
 pub mod image;
 pub mod reference;
 pub mod render;
+pub mod report;
 pub mod scene;
 pub mod stats;
