@@ -22,7 +22,8 @@
 //!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}
 //! ```
 //!
-//! One direction only: `scene ← accel ← gpu ← render ← cli`. Two modules stand beside it: [`stats`] decides whether
+//! One direction only: `scene ← accel ← gpu ← render ← cli`. [`cost`] and [`report`] stand between `render` and
+//! `cli`. Two modules stand beside it: [`stats`] decides whether
 //! samples agree with what they should be, [`reference`](mod@reference) computes what they should be; both in f64.
 //!
 //! # A render, from code

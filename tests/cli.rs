@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod cost;
 
 use assert_cmd::Command;
 use serde_json::Value;

@@ -5,6 +5,7 @@ use super::{AdapterArgument, JsonArgument, print};
 use crate::cost::{SceneCost, Settings, estimator, measure};
 use crate::error::Error;
 use crate::gpu::Context;
+use crate::report::format::{number, seconds, short};
 use crate::report::{self, csv, machine::Machine};
 use crate::scene::{FilmSize, LightSelection, Sampler, Scene, Strategy, validate};
 use clap::ValueEnum;
@@ -171,25 +172,25 @@ impl Arguments {
 
 /// The table that is printed.
 fn summary(cost: &SceneCost) -> String {
-    let mut ranked: Vec<_> = cost.estimators.iter().collect();
-    ranked.sort_by(|a, b| b.efficiency.value.total_cmp(&a.efficiency.value));
     let mut out = format!(
-        "{}: {} × {}, {:.1} s of rendering\n  rank  {:<44}{:>34}{:>12}{:>16}{:>12}\n",
+        "{}: {} × {}, {:.1} s of rendering\n  rank  {:<40}{:>34}{:>12}{:>16}{:>12}\n",
         cost.scene,
         cost.width,
         cost.height,
         cost.seconds,
         "estimator",
         "efficiency 1/(relMSE·s)",
-        "ns/sample",
+        "per sample",
         "slope",
-        format!("s to {:.0e}", cost.target),
+        format!("to {}", short(cost.target)),
     );
-    for e in ranked {
+    for e in report::ranked(cost) {
         let interval = e.efficiency;
         let efficiency = format!(
-            "{:.4} [{:.4}, {:.4}]",
-            interval.value, interval.low, interval.high
+            "{} [{}, {}]",
+            number(interval.value),
+            number(interval.low),
+            number(interval.high)
         );
         let slope = e.slope_samples.map_or_else(
             || "—".to_owned(),
@@ -197,14 +198,14 @@ fn summary(cost: &SceneCost) -> String {
         );
         let reached = e.reached.iter();
         let reached = reached.filter(|r| (r.target / cost.target - 1.0).abs() < 1e-9);
-        let seconds = reached.map(|r| r.seconds.value).next();
+        let reached = reached.map(|r| r.seconds.value).next();
         out.push_str(&format!(
-            "  {:>3}{}  {:<44}{efficiency:>34}{:>12.1}{slope:>16}{:>12}\n",
+            "  {:>3}{}  {:<40}{efficiency:>34}{:>12}{slope:>16}{:>12}\n",
             e.rank.rank,
             if e.rank.ties.is_empty() { " " } else { "=" },
             e.name,
-            1e9 * e.seconds_per_sample.value,
-            seconds.map_or_else(|| "—".to_owned(), |s| format!("{s:.3}")),
+            seconds(e.seconds_per_sample.value),
+            reached.map_or_else(|| "—".to_owned(), seconds),
         ));
     }
     for n in &cost.not_applicable {

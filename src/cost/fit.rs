@@ -82,9 +82,9 @@ impl Line {
     }
 
     /// e^x where the line reaches the logarithm `y`, with its interval to first order; `None` where the line does not
-    /// fall.
+    /// fall by more than two standard errors of its slope: then nothing tells when.
     pub fn reaches(&self, y: f64) -> Option<Interval> {
-        if self.slope >= 0.0 {
+        if self.slope + 2.0 * self.slope_error >= 0.0 {
             return None;
         }
         let distance = (y - self.y) / self.slope;
@@ -159,6 +159,8 @@ mod tests {
         );
         let rising = Line::fit(&points(|x| x, 0.01)).expect("eight points");
         assert!(rising.reaches(-1.0).is_none());
+        let vague = Line::fit(&points(|x| -0.1 * x, 1.0)).expect("eight points");
+        assert!(vague.reaches(-1.0).is_none(), "it may as well rise");
     }
 
     #[test]

@@ -38,6 +38,30 @@ impl Interval {
         }
     }
 
+    /// A positive value with a standard error's `half`, its ends at the same distance as logarithms: what is never negative
+    /// and skewed to large values does not end below zero, and its upper end is that of `value ± half`.
+    pub fn positive(value: f64, half: f64) -> Self {
+        if value <= 0.0 {
+            return Self::around(value, half);
+        }
+        let factor = 1.0 + half / value;
+        Self {
+            value,
+            low: value / factor,
+            high: value * factor,
+        }
+    }
+
+    /// Less another value, which is known to `half`; the distances of the ends are added in quadrature.
+    pub fn less(&self, other: f64, half: f64) -> Self {
+        let value = self.value - other;
+        Self {
+            value,
+            low: (value - (self.value - self.low).hypot(half)).max(0.0),
+            high: (value + (self.high - self.value).hypot(half)).max(0.0),
+        }
+    }
+
     /// A value that is known.
     pub fn exactly(value: f64) -> Self {
         Self::around(value, 0.0)
@@ -62,9 +86,9 @@ impl Interval {
         self.value > 0.0 && self.low > 0.0
     }
 
-    /// Half the interval's width over its value.
+    /// Distance of the upper end over the value.
     pub fn relative_half(&self) -> f64 {
-        0.5 * (self.high - self.low) / self.value
+        (self.high - self.value) / self.value
     }
 
     /// 1/(a·b) of two independent positive values. The distances of the ends are added in quadrature, as logarithms: each
@@ -125,6 +149,16 @@ mod tests {
         let below =
             Interval::inverse_product(&Interval::around(-0.5, 1.0), &Interval::exactly(1.0));
         assert!(below.value.is_infinite() && (below.low - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn positive_values_stay_positive() {
+        let vague = Interval::positive(1.0, 9.0);
+        assert!((vague.low - 0.1).abs() < 1e-12 && (vague.high - 10.0).abs() < 1e-12);
+        let sharp = Interval::positive(1.0, 1e-3);
+        assert!((sharp.low - 0.999).abs() < 1e-5);
+        let less = vague.less(0.5, 0.0);
+        assert!((less.value - 0.5).abs() < 1e-12 && less.low <= 0.0 && less.high > 9.0);
     }
 
     #[test]

@@ -80,7 +80,7 @@ impl Point {
 
     /// Whether a line may go through it: its error is known to within a factor of two.
     pub fn is_known(&self) -> bool {
-        self.rel_mse.is_positive() && self.rel_mse.relative_half() < 0.5
+        self.rel_mse.is_positive() && self.rel_mse.relative_half() < 1.0
     }
 }
 
@@ -92,7 +92,7 @@ impl Lines {
             let point = |p: &&Point| FitPoint {
                 x: x(p).ln(),
                 y: p.rel_mse.value.ln(),
-                sigma: p.rel_mse.relative_half() / NORMAL_95,
+                sigma: p.rel_mse.relative_half().ln_1p() / NORMAL_95,
             };
             Line::fit(&known.iter().map(point).collect::<Vec<_>>())
         };
@@ -114,8 +114,13 @@ impl Lines {
         self.time.slope()
     }
 
-    /// When `target` is reached; `None` where the error does not fall.
+    /// When `target` is reached; `None` where the error does not fall, or where the time is not known to a factor of ten.
     pub fn reach(&self, target: f64) -> Option<Reached> {
+        let reached = self.reach_by_line(target)?;
+        (reached.seconds.high < 10.0 * reached.seconds.value).then_some(reached)
+    }
+
+    fn reach_by_line(&self, target: f64) -> Option<Reached> {
         Some(Reached {
             target,
             seconds: self.time.reaches(target.ln())?,

@@ -74,10 +74,10 @@ impl Reference {
         let (mut sum, mut squares) = ([0.0; 2], [0.0; 2]);
         for ((a, b), r) in pairs().zip(&reference.mean) {
             let mut pixel = [0.0; 2];
-            for c in 0..3 {
-                let variance = 0.25 * (a.mean[c] - b.mean[c]).powi(2);
+            for ((a, b), r) in a.mean.iter().zip(b.mean).zip(r) {
+                let variance = 0.25 * (a - b).powi(2);
                 pixel[0] += variance / 3.0;
-                pixel[1] += variance * reference.weight(r[c]) / 3.0;
+                pixel[1] += variance * reference.weight(*r) / 3.0;
             }
             for k in 0..2 {
                 sum[k] += pixel[k];

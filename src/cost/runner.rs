@@ -22,7 +22,7 @@ impl Seeds {
     }
 
     /// The next one: a bijection of a counter, so that none comes twice.
-    pub fn next(&mut self) -> u32 {
+    pub fn draw(&mut self) -> u32 {
         self.next += 1;
         // The finalizer of MurmurHash3 (Appleby 2011).
         let mut x = self.next;
@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn no_seed_comes_twice() {
         let mut seeds = Seeds::new(7);
-        let mut all: Vec<u32> = (0..100_000).map(|_| seeds.next()).collect();
+        let mut all: Vec<u32> = (0..100_000).map(|_| seeds.draw()).collect();
         all.sort_unstable();
         all.dedup();
         assert_eq!(all.len(), 100_000);

@@ -2,7 +2,7 @@
 
 use super::bars::{self, Bar};
 use super::chart::{self, Curve};
-use super::format::number;
+use super::format::short;
 use super::svg::{SERIES, Svg};
 use crate::cost::{EstimatorCost, Point, SceneCost};
 use crate::scene::{Sampler, Strategy};
@@ -32,13 +32,16 @@ fn dash(sampler: Sampler) -> usize {
 /// The estimators, best first.
 pub fn ranked(cost: &SceneCost) -> Vec<&EstimatorCost> {
     let mut ranked: Vec<_> = cost.estimators.iter().collect();
-    ranked.sort_by(|a, b| b.efficiency.value.total_cmp(&a.efficiency.value));
+    ranked.sort_by(|a, b| {
+        let efficiency = b.efficiency.value.total_cmp(&a.efficiency.value);
+        a.rank.rank.cmp(&b.rank.rank).then(efficiency)
+    });
     ranked
 }
 
 /// Error against time, error against samples, efficiency.
 pub fn of(cost: &SceneCost) -> [Figure; 3] {
-    let guide = format!("relMSE {}", number(cost.target));
+    let guide = format!("relMSE {}", short(cost.target));
     let curves = |x: &dyn Fn(&Point) -> f64| -> Vec<Curve> {
         let curve = |e: &EstimatorCost| Curve {
             name: e.name.clone(),

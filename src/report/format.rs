@@ -27,7 +27,7 @@ pub fn number(x: f64) -> String {
     let size = x.abs();
     if size <= 0.0 {
         "0".to_owned()
-    } else if size >= 1e6 || size < 1e-3 {
+    } else if !(1e-3..1e6).contains(&size) {
         let exponent = size.log10().floor() as i32;
         format!(
             "{:.2}·10{}",
@@ -46,6 +46,15 @@ pub fn number(x: f64) -> String {
     }
 }
 
+/// A power of ten as such, other numbers to three digits.
+pub fn short(x: f64) -> String {
+    let exponent = x.log10().round();
+    if x > 0.0 && (x.log10() - exponent).abs() < 1e-12 && exponent.abs() > 1.5 {
+        return format!("10{}", superscript(exponent as i32));
+    }
+    number(x)
+}
+
 /// A whole number with commas.
 pub fn grouped(x: f64) -> String {
     let digits = format!("{:.0}", x.abs());
@@ -59,21 +68,29 @@ pub fn grouped(x: f64) -> String {
     if x < 0.0 { format!("−{out}") } else { out }
 }
 
-fn superscript(n: i32) -> String {
-    let digit = |c: char| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        '4' => '⁴',
-        '5' => '⁵',
-        '6' => '⁶',
-        '7' => '⁷',
-        '8' => '⁸',
-        '9' => '⁹',
-        _ => '⁰',
+/// Characters and how they look as superscripts.
+pub const SUPERSCRIPTS: [(char, char); 11] = [
+    ('−', '⁻'),
+    ('0', '⁰'),
+    ('1', '¹'),
+    ('2', '²'),
+    ('3', '³'),
+    ('4', '⁴'),
+    ('5', '⁵'),
+    ('6', '⁶'),
+    ('7', '⁷'),
+    ('8', '⁸'),
+    ('9', '⁹'),
+];
+
+/// A whole number as a superscript.
+pub fn superscript(n: i32) -> String {
+    let text = n.to_string().replace('-', "−");
+    let raise = |c: char| {
+        let found = SUPERSCRIPTS.iter().find(|s| s.0 == c);
+        found.map_or(c, |s| s.1)
     };
-    n.to_string().chars().map(digit).collect()
+    text.chars().map(raise).collect()
 }
 
 /// Seconds in the unit that suits them.
@@ -117,8 +134,8 @@ mod tests {
             (0.0, "0"),
             (0.01234, "0.0123"),
             (0.5, "0.500"),
-            (3.14159, "3.14"),
-            (31.4159, "31.4"),
+            (3.144, "3.14"),
+            (31.44, "31.4"),
             (1234.5, "1,234"),
             (123_456.0, "123,456"),
             (2.5e-5, "2.50·10⁻⁵"),
@@ -128,6 +145,13 @@ mod tests {
         for (x, text) in cases {
             assert_eq!(number(x), text);
         }
+    }
+
+    #[test]
+    fn powers_of_ten_are_short() {
+        assert_eq!(short(1e-3), "10⁻³");
+        assert_eq!(short(2e-3), "0.00200");
+        assert_eq!(short(1.0), "1.00");
     }
 
     #[test]

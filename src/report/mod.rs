@@ -8,7 +8,7 @@ mod bars;
 mod chart;
 pub mod csv;
 mod figures;
-mod format;
+pub mod format;
 pub mod machine;
 mod page;
 mod picture;
@@ -16,6 +16,8 @@ mod raster;
 mod scale;
 mod svg;
 mod tables;
+
+pub use figures::ranked;
 
 use crate::cost::SceneCost;
 use crate::error::Error;

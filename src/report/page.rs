@@ -1,11 +1,11 @@
 //! The page: everything in one HTML file.
 
 use super::figures::{self, ranked};
-use super::format::{escape, grouped, number, range, seconds};
+use super::format::{escape, grouped, number, range, seconds, short};
 use super::machine::Machine;
 use super::picture::{HEAT, heat, heat_map, radiance};
 use super::svg::adaptive_css;
-use super::tables::{equal_error, not_applicable, ranking, reached};
+use super::tables::{equal_error, not_applicable, ranking, reached, vague};
 use crate::cost::reference::Source;
 use crate::cost::{EqualTime, EstimatorCost, Interval, SceneCost};
 use crate::error::Error;
@@ -44,14 +44,15 @@ fn section(cost: &SceneCost) -> Result<String, Error> {
     Ok(format!(
         "<section>\n<h2>{name}</h2>\n<p class=\"lead\">{lead}</p>\n<p class=\"faint\">{facts}</p>\n\
          <h3>Error against time</h3>\n<figure class=\"wide\">{time}</figure>\n\
-         <div class=\"two\"><div><h3>Efficiency</h3><figure>{efficiency}</figure></div>\
-         <div><h3>Error against samples</h3><figure>{samples}</figure></div></div>\n\
+         <h3>Efficiency</h3>\n<figure class=\"wide\">{efficiency}</figure>\n\
+         <h3>Error against samples</h3>\n<figure class=\"wide\">{samples}</figure>\n\
          <h3>Ranking</h3>\n{}<p class=\"faint\">= marks ties: estimators whose intervals of efficiency overlap. ≈ is \
-         extrapolated along the fitted line. Intervals hold with 95 % confidence; slopes have standard errors.</p>\n\
+         extrapolated along the fitted line. Intervals hold with 95 % confidence; slopes have standard errors.</p>\n{}\
          <h3>What {equal} of rendering give</h3>\n<div class=\"images\">{}</div>\n\
          <h3>Where the error is</h3>\n{}<div class=\"images\">{}</div>\n\
          <h3>What the same error costs</h3>\n{}{}</section>\n",
         ranking(cost),
+        vague(cost),
         images(cost)?,
         heat_legend(),
         heat_maps(cost)?,
@@ -92,7 +93,7 @@ fn lead(cost: &SceneCost) -> String {
         };
         text.push_str(&format!(
             " To relMSE {} it {about} {}.",
-            number(cost.target),
+            short(cost.target),
             seconds(reached.seconds.value)
         ));
     }

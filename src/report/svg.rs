@@ -1,6 +1,6 @@
 //! Drawings as SVG: lines, shapes and text whose colours are classes.
 
-use super::format::escape;
+use super::format::{SUPERSCRIPTS, escape, superscript};
 use std::fmt::Write;
 
 /// Colours of one theme.
@@ -153,19 +153,13 @@ impl Svg {
 
     /// Text on a base line.
     pub fn text(&mut self, at: (f64, f64), size: f64, anchor: Anchor, class: &str, text: &str) {
-        self.rich_text(at, size, anchor, class, &escape(text));
+        self.rich_text(at, size, anchor, class, &raised(&escape(text), size));
     }
 
     /// 10 to the power of `exponent`.
     pub fn power(&mut self, at: (f64, f64), size: f64, anchor: Anchor, exponent: i32) {
-        let sign = if exponent < 0 { "−" } else { "" };
-        let markup = format!(
-            r#"10<tspan dy="{:.1}" font-size="{:.1}">{sign}{}</tspan>"#,
-            -0.42 * size,
-            0.74 * size,
-            exponent.abs()
-        );
-        self.rich_text(at, size, anchor, "ink", &markup);
+        let text = format!("10{}", superscript(exponent));
+        self.text(at, size, anchor, "ink", &text);
     }
 
     fn rich_text(&mut self, at: (f64, f64), size: f64, anchor: Anchor, class: &str, markup: &str) {
@@ -224,9 +218,40 @@ impl Svg {
     }
 }
 
+/// `markup` with superscript characters, which few fonts have all of, as small characters above the line.
+fn raised(markup: &str, size: f64) -> String {
+    let mut out = String::new();
+    let mut up = false;
+    for c in markup.chars() {
+        let plain = SUPERSCRIPTS.iter().find(|s| s.1 == c).map(|s| s.0);
+        if plain.is_some() != up {
+            let dy = if up { 0.42 } else { -0.42 } * size;
+            if !out.is_empty() && out.contains("<tspan") {
+                out.push_str("</tspan>");
+            }
+            let size = if up { size } else { 0.74 * size };
+            // Writing to a string cannot fail.
+            let _ = write!(out, r#"<tspan dy="{dy:.1}" font-size="{size:.1}">"#);
+            up = !up;
+        }
+        out.push(plain.unwrap_or(c));
+    }
+    if out.contains("<tspan") {
+        out.push_str("</tspan>");
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn superscripts_are_raised() {
+        let expected = r#"2·10<tspan dy="-4.2" font-size="7.4">−3</tspan><tspan dy="4.2" font-size="10.0"> s</tspan>"#;
+        assert_eq!(raised("2·10⁻³ s", 10.0), expected);
+        assert_eq!(raised("a", 10.0), "a");
+    }
 
     #[test]
     fn text_is_escaped() {

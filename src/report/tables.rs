@@ -1,7 +1,7 @@
 //! The tables of a page.
 
 use super::figures::ranked;
-use super::format::{escape, grouped, number, range, seconds, slope};
+use super::format::{escape, grouped, number, range, seconds, short, slope};
 use crate::cost::{EstimatorCost, Interval, Reached, SceneCost};
 use std::fmt::Write;
 
@@ -29,7 +29,7 @@ fn table(class: &str, head: &[String], body: &str) -> String {
 
 /// All estimators with all that is told of them, best first.
 pub fn ranking(cost: &SceneCost) -> String {
-    let target = number(cost.target);
+    let target = short(cost.target);
     let samples = largest(cost);
     let head = [
         "rank".to_owned(),
@@ -40,7 +40,6 @@ pub fn ranking(cost: &SceneCost) -> String {
             grouped(samples as f64)
         ),
         "time per<br>sample".to_owned(),
-        "samples<br>per second".to_owned(),
         "slope against<br>samples".to_owned(),
         "slope against<br>time".to_owned(),
         format!("time to<br>relMSE {target}"),
@@ -58,7 +57,7 @@ pub fn ranking(cost: &SceneCost) -> String {
     table("", &head, &body)
 }
 
-fn ranking_row(e: &EstimatorCost, target: f64) -> [String; 10] {
+fn ranking_row(e: &EstimatorCost, target: f64) -> [String; 9] {
     let last = e
         .points
         .last()
@@ -69,8 +68,11 @@ fn ranking_row(e: &EstimatorCost, target: f64) -> [String; 10] {
         escape(&e.name),
         with_interval(&e.efficiency, number),
         last,
-        with_interval(&e.seconds_per_sample, seconds),
-        number(e.samples_per_second),
+        format!(
+            "{}<small>{} M samples/s</small>",
+            with_interval(&e.seconds_per_sample, seconds),
+            number(e.samples_per_second / 1e6)
+        ),
         slope(e.slope_samples),
         slope(e.slope_time),
         reached(e, target).map_or_else(|| "—".to_owned(), time_cell),
@@ -100,7 +102,7 @@ pub fn equal_error(cost: &SceneCost) -> String {
     let targets = [10.0, 1.0, 0.1].map(|f| f * cost.target);
     let mut head = vec!["estimator".to_owned()];
     for target in targets {
-        head.push(format!("time to<br>relMSE {}", number(target)));
+        head.push(format!("time to<br>relMSE {}", short(target)));
         head.push("samples<br>per pixel".to_owned());
     }
     let mut body = String::new();
@@ -110,7 +112,7 @@ pub fn equal_error(cost: &SceneCost) -> String {
             match reached(estimator, target) {
                 Some(r) => {
                     cells.push(time_cell(r));
-                    cells.push(number(r.samples.value.max(1.0).ceil()));
+                    cells.push(grouped(r.samples.value.max(1.0).ceil()));
                 }
                 None => cells.extend(["—".to_owned(), "—".to_owned()]),
             }
@@ -118,6 +120,24 @@ pub fn equal_error(cost: &SceneCost) -> String {
         body.push_str(&row(&cells, ""));
     }
     table(" class=\"named\"", &head, &body)
+}
+
+/// Estimators whose error is not known well, in a sentence; empty where there are none.
+pub fn vague(cost: &SceneCost) -> String {
+    let last = |e: &&EstimatorCost| e.points.last().is_some_and(|p| !p.is_known());
+    let names: Vec<_> = ranked(cost)
+        .into_iter()
+        .filter(last)
+        .map(|e| escape(&e.name))
+        .collect();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<p class=\"faint\">Not known to a factor of two at the largest count, because few pixels carry the error or because \
+         it lies below the reference's own: {}. A longer --budget would tell more.</p>\n",
+        names.join(", ")
+    )
 }
 
 /// Estimators that the scene cannot use; empty where there are none.
