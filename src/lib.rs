@@ -22,7 +22,8 @@
 //!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}
 //! ```
 //!
-//! One direction only: `scene ← accel ← gpu ← render ← cli`. Two modules stand beside it: [`stats`] decides whether
+//! One direction only: `scene ← accel ← gpu ← render ← cli`. [`cost`] and [`report`] stand between `render` and
+//! `cli`. Two modules stand beside it: [`stats`] decides whether
 //! samples agree with what they should be, [`reference`](mod@reference) computes what they should be; both in f64.
 //! [`lab`] runs kernels without a scene.
 //!
@@ -78,6 +79,7 @@
 pub mod accel;
 pub mod cli;
 pub mod compare;
+pub mod cost;
 pub mod effects;
 pub mod emitters;
 pub mod error;
@@ -86,5 +88,6 @@ pub mod image;
 pub mod lab;
 pub mod reference;
 pub mod render;
+pub mod report;
 pub mod scene;
 pub mod stats;

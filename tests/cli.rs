@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod cost;
 mod lab;
 
 use assert_cmd::Command;

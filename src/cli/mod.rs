@@ -2,6 +2,7 @@
 
 mod check;
 mod compare;
+mod cost;
 mod doctor;
 mod explain;
 mod lab;
@@ -29,6 +30,8 @@ enum Command {
     Render(render::Arguments),
     /// Hold the GPU estimator against the reference: exit 0 when they agree, 1 when not
     Compare(compare::Arguments),
+    /// Tell what accuracy costs in time: error against time of every estimator, in a report
+    Cost(cost::Arguments),
     /// Tell which effects a scene calls for, and why
     Explain(explain::Arguments),
     /// Run the experiments of a lecture on Monte Carlo integration: exit 0 when all agree with their exact values
@@ -44,6 +47,7 @@ pub fn main() -> ExitCode {
     let result = match cli.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Cost(arguments) => cost::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Lab(arguments) => lab::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),

@@ -32,6 +32,33 @@ impl SceneArguments {
     }
 }
 
+/// Scene files.
+#[derive(Debug, clap::Args)]
+pub struct SceneListArguments {
+    /// The scenes: .toml, .gltf or .glb
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<PathBuf>,
+    /// Further folder in which files that the scenes name are looked up; may be repeated
+    #[arg(long, value_name = "DIR")]
+    assets: Vec<PathBuf>,
+}
+
+impl SceneListArguments {
+    /// Reads the scenes, and says on stderr what they ask for and direkt does not do.
+    pub fn load(&self) -> Result<Vec<Scene>, Error> {
+        let load = |scene: &PathBuf| {
+            let arguments = SceneArguments {
+                scene: scene.clone(),
+                assets: self.assets.clone(),
+            };
+            let scene = arguments.load()?;
+            arguments.warn(&scene);
+            Ok(scene)
+        };
+        self.scenes.iter().map(load).collect()
+    }
+}
+
 /// Flags that override the scene's strategy, light selection, seed and size.
 #[derive(Debug, clap::Args)]
 pub struct EstimatorArguments {
@@ -73,7 +100,8 @@ impl EstimatorArguments {
     }
 }
 
-fn parse_size(text: &str) -> Result<FilmSize, String> {
+/// `WIDTHxHEIGHT`.
+pub fn parse_size(text: &str) -> Result<FilmSize, String> {
     let wrong = || {
         format!(
             "expected WIDTHxHEIGHT such as 640x480, each from 1 to {}",

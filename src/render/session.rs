@@ -74,6 +74,8 @@ pub struct Session<'a> {
     context: &'a Context,
     kernel: SceneKernel,
     scene: SceneBindings,
+    frame: GpuBuffer<Frame>,
+    frame_data: Frame,
     dispatch: GpuBuffer<Dispatch>,
     unfinished: GpuBuffer<u32>,
     unfinished_staging: GpuBuffer<u32>,
@@ -149,6 +151,8 @@ impl<'a> Session<'a> {
             context,
             scene: kernel.bind_scene(device, &buffers),
             kernel,
+            frame,
+            frame_data,
             dispatch,
             unfinished,
             unfinished_staging: GpuBuffer::zeroed(device, "direct.unfinished.staging", 1, read),
@@ -173,6 +177,26 @@ impl<'a> Session<'a> {
             ..Dispatch::default()
         };
         self.submit(&self.regions[0], &nothing, 1)?;
+        Ok(())
+    }
+
+    /// Begins again without compiling anew: with other random numbers, for a sampler's `pattern` (see
+    /// [`Sampler::pattern`](crate::scene::Sampler::pattern)). What was rendered is forgotten, how long a dispatch takes is
+    /// not.
+    ///
+    /// # Errors
+    /// The driver fails.
+    pub fn restart(&mut self, seed: u32, pattern: [u32; 2]) -> Result<(), GpuError> {
+        self.frame_data.seed = seed;
+        self.frame_data.pattern = pattern;
+        let bytes = bytemuck::bytes_of(&self.frame_data);
+        let queue = &self.context.queue;
+        self.context
+            .checked(|| queue.write_buffer(self.frame.raw(), 0, bytes))?;
+        self.close_block()?;
+        self.merged = 0;
+        self.rays = RayCounts::default();
+        self.film = Film::new(self.film.size);
         Ok(())
     }
 

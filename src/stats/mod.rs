@@ -36,4 +36,4 @@ pub fn normal_below(z: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;

@@ -1,0 +1,144 @@
+//! Renders of one estimator, and the clock.
+
+use super::error::Errors;
+use super::estimator::Estimator;
+use crate::error::GpuError;
+use crate::gpu::Context;
+use crate::render::{Film, Prepared, RayCounts, Session};
+use crate::scene::{FilmSize, Scene};
+use std::time::Instant;
+
+/// Seeds that differ from each other, all derived from one.
+#[derive(Debug)]
+pub struct Seeds {
+    base: u32,
+    next: u32,
+}
+
+impl Seeds {
+    /// Seeds derived from `base`.
+    pub fn new(base: u32) -> Self {
+        Self { base, next: 0 }
+    }
+
+    /// The next one: a bijection of a counter, so that none comes twice.
+    pub fn draw(&mut self) -> u32 {
+        self.next += 1;
+        // The finalizer of MurmurHash3 (Appleby 2011).
+        let mut x = self.next;
+        x = (x ^ (x >> 16)).wrapping_mul(0x85eb_ca6b);
+        x = (x ^ (x >> 13)).wrapping_mul(0xc2b2_ae35);
+        (x ^ (x >> 16)).wrapping_add(self.base)
+    }
+}
+
+/// An image and what it took.
+#[derive(Debug)]
+pub struct Run {
+    /// The image.
+    pub film: Film,
+    /// Rays traced.
+    pub rays: RayCounts,
+    /// Seconds between the first dispatch and the end of the last: neither compiling nor reading the image is in it.
+    pub seconds: f64,
+    /// Passes over the image.
+    pub passes: u64,
+}
+
+/// An estimator that is compiled and ready.
+#[derive(Debug)]
+pub struct Runner<'a> {
+    /// The estimator.
+    pub estimator: Estimator,
+    session: Session<'a>,
+    /// Seconds that compiling took.
+    pub compile_seconds: f64,
+    /// Primitives of the scene.
+    pub primitives: usize,
+    /// Seconds per sample of every pixel, by the latest run.
+    pub seconds_per_count: f64,
+    /// Samples that were not finite and were dropped.
+    pub dropped: u64,
+}
+
+impl<'a> Runner<'a> {
+    /// Compiles `estimator` for `scene`.
+    ///
+    /// # Errors
+    /// The scene is too large for the adapter, or the driver fails.
+    pub fn new(
+        context: &'a Context,
+        prepared: &Prepared,
+        size: FilmSize,
+        estimator: Estimator,
+    ) -> Result<Self, GpuError> {
+        let session = Session::new(context, prepared, size, 0)?;
+        Ok(Self {
+            estimator,
+            compile_seconds: session.compile_seconds,
+            session,
+            primitives: prepared.primitives.len(),
+            seconds_per_count: f64::INFINITY,
+            dropped: 0,
+        })
+    }
+
+    /// Renders `samples` samples of every pixel.
+    ///
+    /// # Errors
+    /// The driver fails.
+    pub fn run(&mut self, seed: u32, samples: u64) -> Result<Run, GpuError> {
+        let session = &mut self.session;
+        session.restart(seed, self.estimator.sampler.pattern(samples))?;
+        let start = Instant::now();
+        let mut passes = 0;
+        while session.samples() < samples {
+            session.pass(session.pass_samples(samples - session.samples()), || false)?;
+            passes += 1;
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        let (film, rays) = session.snapshot()?;
+        self.dropped += film.ledger.dropped;
+        self.seconds_per_count = seconds / samples as f64;
+        Ok(Run {
+            film,
+            rays,
+            seconds,
+            passes,
+        })
+    }
+}
+
+/// The replicates of one estimator at one number of samples.
+#[derive(Debug, Clone)]
+pub struct Replicates {
+    /// Samples per pixel.
+    pub samples: u64,
+    /// Seconds of each.
+    pub seconds: Vec<f64>,
+    /// Their squared errors.
+    pub errors: Errors,
+}
+
+/// The scene as `estimator` renders it, ready.
+pub fn prepare(scene: &Scene, estimator: Estimator) -> Prepared {
+    let mut scene = scene.clone();
+    scene.render.strategy = estimator.strategy;
+    scene.render.light_selection = estimator.light_selection;
+    scene.render.sampler = estimator.sampler;
+    Prepared::new(scene, estimator.strategy, estimator.light_selection)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_seed_comes_twice() {
+        let mut seeds = Seeds::new(7);
+        let mut all: Vec<u32> = (0..100_000).map(|_| seeds.draw()).collect();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 100_000);
+    }
+}

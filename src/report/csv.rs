@@ -1,0 +1,75 @@
+//! A table of all measured points.
+
+use crate::cost::{EstimatorCost, Point, SceneCost};
+use std::path::Path;
+
+/// The columns: first those that tables of other renderers have, then further ones.
+pub const HEADER: &str = "scene,sampler,strategy,spp,seconds,relmse,efficiency,light_selection,width,height,replicates,\
+                          seconds_low,seconds_high,relmse_low,relmse_high,efficiency_low,efficiency_high,mse,mse_low,mse_high";
+
+/// One line per scene, estimator and number of samples.
+pub fn table(costs: &[SceneCost]) -> String {
+    let mut out = format!("{HEADER}\n");
+    for cost in costs {
+        for estimator in &cost.estimators {
+            for point in &estimator.points {
+                out.push_str(&line(cost, estimator, point));
+                out.push('\n');
+            }
+        }
+    }
+    out
+}
+
+fn line(cost: &SceneCost, estimator: &EstimatorCost, p: &Point) -> String {
+    let name = Path::new(&cost.scene).file_name();
+    let name = name.map_or_else(|| cost.scene.clone().into(), |n| n.to_string_lossy());
+    let e = estimator.estimator;
+    let numbers = [
+        p.seconds.low,
+        p.seconds.high,
+        p.rel_mse.low,
+        p.rel_mse.high,
+        p.efficiency.low,
+        p.efficiency.high,
+        p.mse.value,
+        p.mse.low,
+        p.mse.high,
+    ];
+    let numbers: Vec<_> = numbers.iter().map(|x| format!("{x:e}")).collect();
+    format!(
+        "{},{},{},{},{:.6},{:e},{:e},{},{},{},{},{}",
+        quoted(&name),
+        e.sampler,
+        e.strategy,
+        p.samples,
+        p.seconds.value,
+        p.rel_mse.value,
+        p.efficiency.value,
+        e.light_selection,
+        cost.width,
+        cost.height,
+        p.replicates,
+        numbers.join(",")
+    )
+}
+
+/// A field; in quotes where it needs them (RFC 4180).
+fn quoted(field: &str) -> String {
+    if field.contains(['"', ',', '\n', '\r']) {
+        format!("\"{}\"", field.replace('"', "\"\""))
+    } else {
+        field.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_with_commas_are_quoted() {
+        assert_eq!(quoted("a.toml"), "a.toml");
+        assert_eq!(quoted("a,\"b\".toml"), "\"a,\"\"b\"\".toml\"");
+    }
+}
