@@ -23,8 +23,8 @@
 //! ```
 //!
 //! One direction only: `scene ← accel ← gpu ← render ← cli`. [`cost`] and [`report`] stand between `render` and
-//! `cli`. Two modules stand beside it: [`stats`] decides whether
-//! samples agree with what they should be, [`reference`](mod@reference) computes what they should be; both in f64.
+//! `cli`. Two modules stand beside it: [`stats`] decides whether samples agree with what they should be,
+//! [`reference`](mod@reference) computes what they should be; both in f64.
 //!
 //! # A render, from code
 //!
