@@ -23,9 +23,9 @@
 //! ```
 //!
 //! One direction only: `scene ← accel ← gpu ← render ← cli`. [`cost`] and [`report`] stand between `render` and
-//! `cli`. Two modules stand beside it: [`stats`] decides whether
-//! samples agree with what they should be, [`reference`](mod@reference) computes what they should be; both in f64.
-//! [`lab`] runs kernels without a scene.
+//! `cli`. Beside it, [`stats`] decides whether samples agree with what they should be, and
+//! [`reference`](mod@reference) computes what they should be; both in f64 and without the GPU. [`compare`] holds one
+//! against the other; `docs/verification.md` says how. [`lab`] runs kernels without a scene.
 //!
 //! # A render, from code
 //!

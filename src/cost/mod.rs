@@ -14,6 +14,7 @@
 //! | time to a target | where the line through ln relMSE against ln seconds meets it |
 //! | rank | 1 plus the number of estimators whose efficiency's interval lies above; overlapping intervals are ties |
 
+mod conclude;
 pub mod error;
 pub mod estimator;
 pub mod fit;

@@ -1,12 +1,11 @@
 //! How the budget is spent.
 
-use super::error::{Errors, rel_mse, relative_errors};
+use super::error::{Errors, ImageError, rel_mse, relative_errors};
 use super::estimator::{self, Estimator, NotApplicable};
-use super::interval::{Interval, NORMAL_95};
-use super::measures::{Lines, Point, ranks, time_spread};
+use super::measures::{Point, time_spread};
 use super::reference::{self, Reference, Source};
 use super::runner::{Replicates, Runner, Seeds, prepare};
-use super::{EqualTime, EstimatorCost, Progress, ReferenceFacts, SceneCost, Settings};
+use super::{EqualTime, Progress, SceneCost, Settings};
 use crate::error::{Error, GpuError};
 use crate::gpu::Context;
 use crate::scene::{Sampler, Scene, Strategy};
@@ -25,16 +24,16 @@ const MIN_COUNTS: u32 = 3;
 const MAX_LOG_SAMPLES: u32 = 16;
 
 /// All estimators of one scene, at work.
-struct Work<'a, 's> {
-    scene: &'s Scene,
-    settings: &'s Settings,
-    runners: Vec<Runner<'a>>,
+pub(super) struct Work<'a, 's> {
+    pub(super) scene: &'s Scene,
+    pub(super) settings: &'s Settings,
+    pub(super) runners: Vec<Runner<'a>>,
     /// Renders the reference, where there is no other.
-    own: Option<Runner<'a>>,
-    not_applicable: Vec<NotApplicable>,
-    seeds: Seeds,
+    pub(super) own: Option<Runner<'a>>,
+    pub(super) not_applicable: Vec<NotApplicable>,
+    pub(super) seeds: Seeds,
     /// Seconds of rendering so far.
-    spent: f64,
+    pub(super) spent: f64,
 }
 
 /// See [`super::measure`].
@@ -226,7 +225,7 @@ impl<'a, 's> Work<'a, 's> {
         reference: &Reference,
         progress: Progress<'_>,
     ) -> Result<Vec<Vec<Point>>, Error> {
-        let mut finished: Vec<Vec<(Replicates, super::error::ImageError)>> =
+        let mut finished: Vec<Vec<(Replicates, ImageError)>> =
             self.runners.iter().map(|_| Vec::new()).collect();
         let mut round = 0_usize;
         for log in 0..=MAX_LOG_SAMPLES {
@@ -242,16 +241,8 @@ impl<'a, 's> Work<'a, 's> {
             }
             let last = log + 1 >= MIN_COUNTS
                 && (self.spent + doubled(self) > self.curves_until() || log == MAX_LOG_SAMPLES);
-            while last && current[0].seconds.len() < MAX_REPLICATES {
-                let next = self.seconds_per_count() * samples as f64;
-                if self.spent + next > self.curves_until() {
-                    break;
-                }
-                let count = current[0].seconds.len() + 1;
-                let what = format!("{samples} samples per pixel, image {count}");
-                progress(&what, self.spent);
-                self.turn(&mut current, reference, round)?;
-                round += 1;
+            if last {
+                self.fill_up(&mut current, reference, round, progress)?;
             }
             for (finished, mut current) in finished.iter_mut().zip(current) {
                 let error = current.errors.finish(reference);
@@ -263,14 +254,31 @@ impl<'a, 's> Work<'a, 's> {
                 break;
             }
         }
-        let points = finished.iter().map(|of_one| {
-            let times: Vec<_> = of_one.iter().map(|(r, _)| r.seconds.clone()).collect();
-            let spread = time_spread(&times);
-            let point =
-                |(r, error): &(Replicates, _)| Point::new(r.samples, &r.seconds, spread, *error);
-            of_one.iter().map(point).collect()
-        });
-        Ok(points.collect())
+        Ok(finished.iter().map(|of_one| points(of_one)).collect())
+    }
+
+    /// Spends what is left for the curves on more images of the largest count.
+    fn fill_up(
+        &mut self,
+        current: &mut [Replicates],
+        reference: &Reference,
+        mut round: usize,
+        progress: Progress<'_>,
+    ) -> Result<(), GpuError> {
+        let samples = current[0].samples;
+        for image in current[0].seconds.len() + 1..=MAX_REPLICATES {
+            let next = self.seconds_per_count() * samples as f64;
+            if self.spent + next > self.curves_until() {
+                break;
+            }
+            progress(
+                &format!("{samples} samples per pixel, image {image}"),
+                self.spent,
+            );
+            self.turn(current, reference, round)?;
+            round += 1;
+        }
+        Ok(())
     }
 
     fn empty(&self, samples: u64) -> Vec<Replicates> {
@@ -322,75 +330,14 @@ impl<'a, 's> Work<'a, 's> {
         }
         Ok((seconds, images))
     }
-
-    fn finish(
-        self,
-        reference: Reference,
-        source: Source,
-        curves: &[Vec<Point>],
-        equal_seconds: f64,
-        equal: Vec<EqualTime>,
-    ) -> SceneCost {
-        let last = |points: &Vec<Point>| points.last().expect("three counts").efficiency;
-        let ranks = ranks(&curves.iter().map(last).collect::<Vec<_>>());
-        let selections = self.runners.iter().map(|r| r.estimator.light_selection);
-        let several = selections.collect::<std::collections::HashSet<_>>().len() > 1;
-        let measured = self.runners.iter().zip(curves).zip(ranks).zip(equal);
-        let estimators = measured.map(|(((runner, points), rank), equal_time)| {
-            let last = points.last().expect("three counts");
-            let per = 1.0 / (last.samples as f64 * self.scene.film.pixels() as f64);
-            let lines = Lines::new(points);
-            let target = self.settings.target;
-            let reach = |factor: f64| lines.and_then(|l| l.reach(factor * target));
-            EstimatorCost {
-                name: runner.estimator.name(several),
-                estimator: runner.estimator,
-                compile_seconds: runner.compile_seconds,
-                seconds_per_sample: last.seconds.scaled(per),
-                samples_per_second: 1.0 / (last.seconds.value * per),
-                points: points.clone(),
-                slope_samples: lines.map(|l| l.slope_samples()),
-                slope_time: lines.map(|l| l.slope_time()),
-                efficiency: last.efficiency,
-                rank,
-                reached: [10.0, 1.0, 0.1].into_iter().filter_map(reach).collect(),
-                dropped: runner.dropped,
-                equal_time,
-            }
-        });
-        SceneCost {
-            scene: self.scene.source.display().to_string(),
-            width: self.scene.film.width,
-            height: self.scene.film.height,
-            primitives: self.runners[0].primitives,
-            budget: self.settings.budget,
-            seconds: self.spent,
-            seed: self.settings.seed,
-            reference: facts(&reference, source),
-            estimators: estimators.collect(),
-            not_applicable: self.not_applicable.clone(),
-            target: self.settings.target,
-            equal_seconds,
-            reference_image: reference.mean,
-        }
-    }
 }
 
-fn facts(reference: &Reference, source: Source) -> ReferenceFacts {
-    let own = reference.own_error();
-    let of = |k: usize| match source {
-        Source::File { .. } => None,
-        Source::Exact { .. } => Some(Interval::exactly(0.0)),
-        Source::OwnRun { .. } => {
-            let half = NORMAL_95 * own.standard_error[k];
-            Some(Interval::around(own.value[k], half))
-        }
-    };
-    ReferenceFacts {
-        mse: of(0),
-        rel_mse: of(1),
-        source,
-    }
+/// One estimator's points: how its times scatter is told from all of them together.
+fn points(measured: &[(Replicates, ImageError)]) -> Vec<Point> {
+    let times: Vec<_> = measured.iter().map(|(r, _)| r.seconds.clone()).collect();
+    let spread = time_spread(&times);
+    let point = |(r, error): &(Replicates, _)| Point::new(r.samples, &r.seconds, spread, *error);
+    measured.iter().map(point).collect()
 }
 
 /// Seconds as a person writes them.

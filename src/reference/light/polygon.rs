@@ -98,11 +98,11 @@ pub fn project_polygon(vertices: &[DVec3]) -> ProjectedPolygon {
         }
     };
     let mut edges = Vec::new();
-    for i in 0..v.len() {
-        let Some(normal) = v[i].cross(next(i)).try_normalize() else {
+    for (i, vertex) in v.iter().enumerate() {
+        let Some(normal) = vertex.cross(next(i)).try_normalize() else {
             continue;
         };
-        let (mut from, mut to) = (azimuth(v[i]), azimuth(next(i)));
+        let (mut from, mut to) = (azimuth(*vertex), azimuth(next(i)));
         if surrounds && (to - from).abs() > PI {
             if from < to {
                 from = TAU;

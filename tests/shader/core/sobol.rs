@@ -84,7 +84,7 @@ fn a_point_of_many_scramblings_is_uniform() {
             .collect();
         let answers = call(&context, &POINT, &inputs);
         let mut observed = vec![0_u64; (CELLS * CELLS) as usize];
-        let cell = |x: u32| (u64::from(x) * u64::from(CELLS) >> 32) as usize;
+        let cell = |x: u32| ((u64::from(x) * u64::from(CELLS)) >> 32) as usize;
         for (x, y) in answers.u32(0).zip(answers.u32(1)) {
             observed[cell(y) * CELLS as usize + cell(x)] += 1;
         }
