@@ -288,7 +288,7 @@ fn an_interrupt_writes_the_image_so_far() {
     assert!(child.0.wait().unwrap().success());
     assert!(image::open(&png).is_ok());
     let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
-    assert_eq!(report["interrupted"], true);
+    assert_eq!(report["stopped_by"], "interrupt");
     assert!(report["spp"].as_u64().unwrap() >= 1);
 }
 
@@ -311,7 +311,7 @@ fn time_limits_a_render() {
     assert_eq!(code, 0, "{stderr}");
     let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
     assert!(report["seconds"]["render"].as_f64().unwrap() >= 1.5);
-    assert_eq!(report["interrupted"], false);
+    assert_eq!(report["stopped_by"], "time");
 }
 
 #[test]

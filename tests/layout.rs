@@ -109,6 +109,8 @@ fn structs_have_the_same_members() {
         bsdf_rays,
         first_nan,
         first_infinite,
+        second_mean,
+        second_samples,
     });
     let record = members!(SampleRecord {
         radiance,

@@ -1,7 +1,9 @@
 //! `direkt cost`: what accuracy costs in time, for every estimator.
 
+use super::calibrate::{CalibrateArguments, print_table};
 use super::settings::SceneListArguments;
 use super::{AdapterArgument, JsonArgument, print};
+use crate::cost::calibrate::Calibration;
 use crate::cost::{SceneCost, Settings, estimator, measure};
 use crate::error::Error;
 use crate::gpu::Context;
@@ -20,8 +22,13 @@ pub struct Arguments {
     #[command(flatten)]
     scenes: SceneListArguments,
     /// Folder for report.html and the plots (SVG and PNG); made if need be
-    #[arg(short, long = "output", value_name = "DIR")]
-    output: PathBuf,
+    #[arg(
+        short,
+        long = "output",
+        value_name = "DIR",
+        required_unless_present = "calibrate"
+    )]
+    output: Option<PathBuf>,
     /// Rendering time on each scene, such as 30s, 2m or 1m30s; compiling comes on top
     #[arg(long, value_name = "DURATION", default_value = "60s", value_parser = parse_duration)]
     budget: f64,
@@ -31,14 +38,8 @@ pub struct Arguments {
     /// Light selections to compare [default: the scene's]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     light_selections: Vec<LightSelection>,
-    /// Samplers to compare
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_enum,
-        value_delimiter = ',',
-        default_values_t = [Sampler::Independent, Sampler::Sobol]
-    )]
+    /// Samplers to compare [default: independent,sobol; with --calibrate all]
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     samplers: Vec<Sampler>,
     /// Relative mean squared error whose price is told
     #[arg(long, value_name = "RELMSE", default_value_t = 1e-3)]
@@ -55,6 +56,8 @@ pub struct Arguments {
     /// Write every measured point as a line of CSV to this file
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
+    #[command(flatten)]
+    calibrate: CalibrateArguments,
     /// No progress on stderr, no table on stdout
     #[arg(short, long)]
     quiet: bool,
@@ -69,6 +72,8 @@ pub struct Arguments {
 struct Report<'a> {
     machine: &'a Machine,
     scenes: &'a [SceneCost],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    calibrations: &'a [Calibration],
 }
 
 /// Runs the command.
@@ -81,6 +86,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
     let machine = Machine::this(&context.adapter);
     let quiet = arguments.quiet || arguments.json.is_stdout();
+    let Some(output) = arguments
+        .output
+        .as_ref()
+        .filter(|_| !arguments.calibrate.calibrate)
+    else {
+        return arguments.calibrate(&context, &machine, &scenes, quiet);
+    };
     let mut costs = Vec::new();
     for scene in &scenes {
         let settings = arguments.settings(scene);
@@ -94,16 +106,17 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         }
         costs.push(cost);
     }
-    report::write(&arguments.output, &costs, &machine)?;
+    report::write(output, &costs, &machine)?;
     if let Some(path) = &arguments.csv {
         crate::image::write_atomically(path, csv::table(&costs).as_bytes())?;
     }
     arguments.json.write(&Report {
         machine: &machine,
         scenes: &costs,
+        calibrations: &[],
     })?;
     if !quiet {
-        let page = arguments.output.join("report.html");
+        let page = output.join("report.html");
         print(&format!("{}\n", page.display()))?;
     }
     Ok(ExitCode::SUCCESS)
@@ -118,10 +131,10 @@ impl Arguments {
                 "--target-error {target}: a positive number such as 0.001 is needed"
             )));
         }
-        if self.output.is_file() {
+        if let Some(output) = self.output.as_ref().filter(|o| o.is_file()) {
             return Err(Error::Usage(format!(
                 "{} is a file; name a folder for the report",
-                self.output.display()
+                output.display()
             )));
         }
         if self.reference.is_some() && self.scenes.scenes.len() > 1 {
@@ -130,6 +143,35 @@ impl Arguments {
             ));
         }
         Ok(())
+    }
+
+    /// `--calibrate`.
+    fn calibrate(
+        &self,
+        context: &Context,
+        machine: &Machine,
+        scenes: &[Scene],
+        quiet: bool,
+    ) -> Result<ExitCode, Error> {
+        let mut calibrations = Vec::new();
+        for scene in scenes {
+            let progress = Bar::new(1.0, quiet);
+            let mut show = |what: &str, part: f64| progress.show(what, part);
+            let arguments = &self.calibrate;
+            let found =
+                arguments.run(context, scene, &self.strategies, &self.samplers, &mut show)?;
+            progress.finish();
+            if !quiet {
+                print_table(&found)?;
+            }
+            calibrations.extend(found);
+        }
+        self.json.write(&Report {
+            machine,
+            scenes: &[],
+            calibrations: &calibrations,
+        })?;
+        Ok(ExitCode::SUCCESS)
     }
 
     fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
@@ -147,12 +189,15 @@ impl Arguments {
             [] => Strategy::value_variants().to_vec(),
             list => list.to_vec(),
         };
+        let samplers = match self.samplers.as_slice() {
+            [] => &[Sampler::Independent, Sampler::Sobol],
+            list => list,
+        };
         let selections = match self.light_selections.as_slice() {
             [] => vec![scene.render.light_selection],
             list => list.to_vec(),
         };
-        let mut estimators =
-            estimator::combinations(&or(&self.strategies), &selections, &self.samplers);
+        let mut estimators = estimator::combinations(&or(&self.strategies), &selections, samplers);
         let mut seen = Vec::new();
         estimators.retain(|e| {
             !seen.contains(e) && {

@@ -1,5 +1,6 @@
 //! The commands. Each prints facts on stdout or in files, progress and warnings on stderr.
 
+mod calibrate;
 mod check;
 mod compare;
 mod cost;

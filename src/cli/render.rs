@@ -7,6 +7,7 @@ use super::settings::{EstimatorArguments, SceneArguments};
 use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
+use crate::render::goal::{ErrorGoal, Look, Watch};
 use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, StopReason};
 use crate::scene::{LightSelection, Sampler, Scene, Strategy};
 use serde::Serialize;
@@ -44,29 +45,45 @@ struct SettingsArguments {
     /// Stop after this many seconds of rendering; without --spp nothing else stops it
     #[arg(long, value_name = "SECONDS")]
     time: Option<f64>,
+    /// Stop at this relative error of the image, √relMSE, such as 0.01; without --spp or --time nothing else stops it
+    #[arg(long, value_name = "RELATIVE")]
+    error: Option<f64>,
+    /// Confidence with which the error has to be below --error [default: the scene's, 0.95 as a rule]
+    #[arg(long, value_name = "PROBABILITY")]
+    confidence: Option<f64>,
     #[command(flatten)]
     estimator: EstimatorArguments,
 }
 
 impl SettingsArguments {
     fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
-        let render = &mut scene.render;
-        if self.time.is_some() {
-            render.time = self.time;
-            render.spp = u64::MAX;
+        let refuse = |message: String| Err(Error::Usage(message));
+        if self.spp == Some(0) {
+            return refuse("--spp 0: at least 1 sample per pixel is needed".to_owned());
         }
-        render.spp = self.spp.unwrap_or(render.spp);
-        if render.spp == 0 {
-            return Err(Error::Usage(
-                "--spp 0: at least 1 sample per pixel is needed".into(),
+        if let Some(time) = self.time.filter(|t| !(*t > 0.0 && t.is_finite())) {
+            return refuse(format!(
+                "--time {time}: a positive number of seconds is needed"
             ));
         }
-        if render.time.is_some_and(|t| !(t > 0.0 && t.is_finite())) {
-            return Err(Error::Usage(format!(
-                "--time {}: a positive number of seconds is needed",
-                render.time.unwrap_or_default()
-            )));
+        if let Some(error) = self.error.filter(|e| !(*e > 0.0 && e.is_finite())) {
+            return refuse(format!(
+                "--error {error}: a positive number such as 0.01 is needed"
+            ));
         }
+        if let Some(confidence) = self.confidence.filter(|c| !(*c > 0.0 && *c < 1.0)) {
+            return refuse(format!(
+                "--confidence {confidence}: a probability such as 0.95 is needed, above 0 and below 1"
+            ));
+        }
+        let render = &mut scene.render;
+        if self.time.is_some() || self.error.is_some() {
+            render.spp = u64::MAX;
+        }
+        render.time = self.time.or(render.time);
+        render.error = self.error.or(render.error);
+        render.confidence = self.confidence.unwrap_or(render.confidence);
+        render.spp = self.spp.unwrap_or(render.spp);
         self.estimator.apply(scene)
     }
 }
@@ -81,7 +98,8 @@ struct Report {
     height: u32,
     spp: u64,
     passes: u64,
-    interrupted: bool,
+    /// What ended it.
+    stopped_by: StoppedBy,
     seconds: Seconds,
     rays: RayCounts,
     samples_per_second: f64,
@@ -154,38 +172,73 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     finish(arguments, &report, quiet)
 }
 
+/// What ended a render.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum StoppedBy {
+    /// It has the samples that were asked for.
+    Samples,
+    /// The time was over.
+    Time,
+    /// Its error is small enough.
+    Error,
+    /// No error can become small enough: no sample found any light.
+    Black,
+    /// The user.
+    Interrupt,
+}
+
 /// How the passes went.
 struct Progressed {
     passes: u64,
     seconds: f64,
-    interrupted: bool,
+    stopped_by: StoppedBy,
 }
 
-/// Takes passes until the samples, the time or the user's patience run out.
+/// Takes passes until the samples, the time or the user's patience run out, or the image is right enough.
 fn take_passes(session: &mut Session<'_>, scene: &Scene, quiet: bool) -> Result<Progressed, Error> {
     let settings = scene.render;
     let interrupted = stop_on_interrupt();
     let time = settings.time.map(Duration::from_secs_f64);
     let mut progress = Progress::new(settings.spp, time, quiet);
     let start = Instant::now();
+    let goal = settings.error.map(|relative| ErrorGoal {
+        relative,
+        confidence: settings.confidence,
+    });
+    let mut watch = goal.map(Watch::new);
     let mut passes = 0;
+    let mut stopped_by = StoppedBy::Samples;
     while session.samples() < settings.spp {
-        let samples = session.pass_samples(settings.spp - session.samples());
+        let until = watch.map_or(settings.spp, |w| settings.spp.min(w.next()));
+        let samples = session.pass_samples(until - session.samples());
         // The first pass is finished whatever the time, so that there is an image.
         let first = session.samples() == 0;
         let out_of_time = || !first && time.is_some_and(|t| start.elapsed() >= t);
         let stop = || interrupted.load(Ordering::Relaxed) || out_of_time();
         if session.pass(samples, stop)? == StopReason::Interrupted {
+            stopped_by = if interrupted.load(Ordering::Relaxed) {
+                StoppedBy::Interrupt
+            } else {
+                StoppedBy::Time
+            };
             break;
         }
         passes += 1;
         progress.update(session, passes, scene.film.pixels())?;
+        let look = watch.as_mut().map(|w| w.look(session)).transpose()?;
+        stopped_by = match look {
+            Some(Look::Reached) => StoppedBy::Error,
+            Some(Look::Black) => StoppedBy::Black,
+            Some(Look::NotYet) | None => continue,
+        };
+        break;
     }
     progress.finish();
     Ok(Progressed {
         passes,
         seconds: start.elapsed().as_secs_f64(),
-        interrupted: interrupted.load(Ordering::Relaxed),
+        stopped_by,
     })
 }
 
@@ -206,7 +259,7 @@ fn report(
         height: film.size.height,
         spp: film.sample_range().1,
         passes: progressed.passes,
-        interrupted: progressed.interrupted,
+        stopped_by: progressed.stopped_by,
         samples_per_second: rays.camera as f64 / seconds.render,
         rays_per_second: rays.total() as f64 / seconds.render,
         seconds,

@@ -11,16 +11,13 @@
 //!
 //! The intervals come from independent replicates (other seeds), pixel by pixel: how the squared errors of one pixel vary
 //! over the replicates, summed over pixels, which are independent of each other under all samplers but blue noise. For that
-//! one, tiles of [`TILE_SIDE`]² pixels take the place of pixels.
+//! one, tiles of [`BLUE_NOISE_TILE`]² pixels take the place of pixels.
 
 use super::interval::{Interval, student_95};
 use super::reference::Reference;
-use crate::render::Film;
+use crate::render::{BLUE_NOISE_TILE, Film};
 use crate::scene::{FilmSize, Sampler};
 use rayon::prelude::*;
-
-/// Pixels along the side of a tile that counts as independent of others under blue noise.
-pub const TILE_SIDE: u32 = 16;
 
 /// A squared error, absolute and relative.
 type Squared = [f64; 2];
@@ -55,7 +52,7 @@ impl Errors {
     /// No replicates yet, of images of `size` by `sampler`.
     pub fn new(size: FilmSize, sampler: Sampler) -> Self {
         let side = match sampler {
-            Sampler::BlueNoise => TILE_SIDE,
+            Sampler::BlueNoise => BLUE_NOISE_TILE,
             _ => 1,
         };
         let units = size.width.div_ceil(side) as usize * size.height.div_ceil(side) as usize;
@@ -178,7 +175,7 @@ mod tests {
 
     /// An image of mean 1 with normal errors; those of a tenth of the pixels ten times as large.
     fn image(stream: &mut Stream, sigma: f64) -> Film {
-        let mut film = Film::new(SIZE);
+        let mut film = Film::new(SIZE, Sampler::Independent);
         for (i, pixel) in film.pixels.iter_mut().enumerate() {
             let sigma = if i % 10 == 0 { 10.0 * sigma } else { sigma };
             pixel.mean = [0.0; 3].map(|_: f64| 1.0 + sigma * stream.normal());
@@ -229,7 +226,7 @@ mod tests {
     #[test]
     fn relative_errors_are_those_of_the_definition() {
         let reference = Reference::exact(vec![[2.0, 2.0, 2.0]; SIZE.pixels()]);
-        let mut film = Film::new(SIZE);
+        let mut film = Film::new(SIZE, Sampler::Independent);
         for pixel in &mut film.pixels {
             pixel.mean = [3.0, 2.0, 2.0];
         }

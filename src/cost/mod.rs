@@ -14,11 +14,12 @@
 //! | time to a target | where the line through ln relMSE against ln seconds meets it |
 //! | rank | 1 plus the number of estimators whose efficiency's interval lies above; overlapping intervals are ties |
 
+pub mod calibrate;
 mod conclude;
 pub mod error;
 pub mod estimator;
 pub mod fit;
-pub mod interval;
+pub use crate::stats::interval;
 pub mod measures;
 pub mod reference;
 pub mod runner;

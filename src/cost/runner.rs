@@ -4,7 +4,8 @@ use super::error::Errors;
 use super::estimator::Estimator;
 use crate::error::GpuError;
 use crate::gpu::Context;
-use crate::render::{Film, Prepared, RayCounts, Session};
+use crate::render::goal::{Look, Watch};
+use crate::render::{ErrorGoal, Film, Prepared, RayCounts, Session};
 use crate::scene::{FilmSize, Scene};
 use std::time::Instant;
 
@@ -81,6 +82,38 @@ impl<'a> Runner<'a> {
             seconds_per_count: f64::INFINITY,
             dropped: 0,
         })
+    }
+
+    /// Renders until the image's error is below `goal`; the image and its samples per pixel. A black image ends as well.
+    ///
+    /// # Errors
+    /// The driver fails.
+    pub fn run_to(&mut self, seed: u32, goal: ErrorGoal) -> Result<(Run, u64), GpuError> {
+        let session = &mut self.session;
+        session.restart(seed, self.estimator.sampler.pattern(u64::MAX))?;
+        let mut watch = Watch::new(goal);
+        let start = Instant::now();
+        let mut passes = 0;
+        loop {
+            session.pass(
+                session.pass_samples(watch.next() - session.samples()),
+                || false,
+            )?;
+            passes += 1;
+            if watch.look(session)? != Look::NotYet {
+                break;
+            }
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        let (film, rays) = session.snapshot()?;
+        let samples = session.samples();
+        let run = Run {
+            film,
+            rays,
+            seconds,
+            passes,
+        };
+        Ok((run, samples))
     }
 
     /// Renders `samples` samples of every pixel.

@@ -90,6 +90,10 @@ pub struct PixelState {
     pub first_nan: u32,
     /// Position in the block of the first infinite sample, or `u32::MAX`.
     pub first_infinite: u32,
+    /// Mean radiance of the finite samples at odd positions: the second replicate.
+    pub second_mean: [f32; 3],
+    /// Number of finite samples at odd positions.
+    pub second_samples: u32,
 }
 
 /// `SampleRecord` of `shaders/types.wesl`: what one sample found and what its rays met.

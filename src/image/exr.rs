@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// Writes the film with `attributes` (name, text).
 ///
-/// Where a pixel has fewer than two samples its standard error is not known: there stands [`UNKNOWN_ERROR`].
+/// While a pixel has fewer than two samples standard errors are not known: there stands [`UNKNOWN_ERROR`].
 ///
 /// # Errors
 /// The file cannot be written.
@@ -23,13 +23,14 @@ pub fn write(path: &Path, film: &Film, attributes: &[(&str, String)]) -> Result<
         let values: Vec<f32> = (0..film.pixels.len()).into_par_iter().map(value).collect();
         (name.to_owned(), values)
     };
+    let variances = film.variances();
     let mut channels = Vec::new();
     for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
         channels.push(channel(name, &|i| film.pixels[i].mean[c] as f32));
         channels.push(channel(&format!("standard_error.{name}"), &|i| {
-            film.pixels[i]
-                .variance_of_mean()
-                .map_or(UNKNOWN_ERROR, |v| v[c].sqrt() as f32)
+            variances
+                .as_ref()
+                .map_or(UNKNOWN_ERROR, |v| v[i][c].sqrt() as f32)
         }));
     }
     channels.push(channel("samples", &|i| film.pixels[i].samples as f32));
@@ -79,5 +80,5 @@ pub fn write_channels(
     write_atomically(path, &bytes.into_inner())
 }
 
-/// Stands in the standard-error channels where a pixel has fewer than two samples.
+/// Stands in the standard-error channels while a pixel has fewer than two samples.
 pub const UNKNOWN_ERROR: f32 = -1.0;

@@ -138,7 +138,7 @@ fn values(film: &Film, expected: &ExpectedRadiance) -> Vec<Failure> {
     let unknown = [f64::INFINITY; 3];
     match expected {
         ExpectedRadiance::Mean(mean) => {
-            let error = film.standard_error_of_mean().unwrap_or(unknown);
+            let error = film.independent_standard_error_of_mean().unwrap_or(unknown);
             value(None, film.mean(), error, *mean).collect()
         }
         ExpectedRadiance::Pixels(pixels) => {
@@ -165,15 +165,16 @@ fn bound_sigma(values: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::gpu::layout::PixelState;
-    use crate::scene::FilmSize;
+    use crate::scene::{FilmSize, Sampler};
     use glam::DVec3;
 
     /// Two pixels of `samples` samples each with the mean 1 and the standard error 0.01 in every channel.
     fn film(samples: u32) -> Film {
-        let mut film = Film::new(FilmSize {
+        let size = FilmSize {
             width: 2,
             height: 1,
-        });
+        };
+        let mut film = Film::new(size, Sampler::Independent);
         let m2 = 1e-4 * samples as f32 * (samples - 1) as f32;
         for pixel in &mut film.pixels {
             pixel.merge(&PixelState {

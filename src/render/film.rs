@@ -1,11 +1,12 @@
 //! The film: per pixel the merged mean and variance, in f64.
 
 use crate::gpu::layout::PixelState;
-use crate::scene::FilmSize;
+use crate::scene::{FilmSize, Sampler};
 use crate::stats::moments::Moments;
 use rayon::prelude::*;
 
-/// One pixel's samples so far: per channel the [`Moments`], which share their count.
+/// One pixel's samples so far: per channel the [`Moments`], which share their count, and the mean of the second of two
+/// independent *replicates*, that of the samples with odd indices.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Pixel {
     /// Number of finite samples.
@@ -14,6 +15,10 @@ pub struct Pixel {
     pub mean: [f64; 3],
     /// Sum of squared deviations from the mean.
     pub m2: [f64; 3],
+    /// Number of finite samples of the second replicate.
+    pub second_samples: u64,
+    /// Mean radiance of the second replicate.
+    pub second_mean: [f64; 3],
 }
 
 impl Pixel {
@@ -29,6 +34,13 @@ impl Pixel {
             (self.mean[c], self.m2[c]) = (channel.mean, channel.m2);
         }
         self.samples += u64::from(block.samples);
+        if block.second_samples > 0 {
+            self.second_samples += u64::from(block.second_samples);
+            let part = f64::from(block.second_samples) / self.second_samples as f64;
+            for (mean, of_block) in self.second_mean.iter_mut().zip(block.second_mean) {
+                *mean += (f64::from(of_block) - *mean) * part;
+            }
+        }
     }
 
     /// The moments of one channel.
@@ -40,10 +52,21 @@ impl Pixel {
         }
     }
 
-    /// Variance of the mean per channel; `None` below two samples.
+    /// Variance of the mean per channel, as if each sample had been drawn by itself; `None` below two samples.
     pub fn variance_of_mean(&self) -> Option<[f64; 3]> {
         let n = self.samples as f64;
         (self.samples > 1).then(|| self.m2.map(|m2| m2 / (n * (n - 1.0))))
+    }
+
+    /// Per channel half the difference of the two replicates, scaled where their numbers of samples a and b differ: it has
+    /// the mean zero and the variance of the mean over all samples. `None` while a replicate has no sample.
+    ///
+    /// With A and B the replicates' means, (A − B)·√(ab)/(a + b) = (mean − B)·√(b/a).
+    pub fn half_difference(&self) -> Option<[f64; 3]> {
+        let (first, second) = (self.samples - self.second_samples, self.second_samples);
+        let factor = (second as f64 / first as f64).sqrt();
+        (first > 0 && second > 0)
+            .then(|| [0, 1, 2].map(|c| (self.mean[c] - self.second_mean[c]) * factor))
     }
 }
 
@@ -97,32 +120,20 @@ impl Ledger {
 pub struct Film {
     /// Size in pixels.
     pub size: FilmSize,
+    /// How its samples' random numbers were made.
+    pub sampler: Sampler,
     /// Pixels, row by row from the top.
     pub pixels: Vec<Pixel>,
     /// What was dropped.
     pub ledger: Ledger,
 }
 
-/// The relative mean squared error of an image, estimated from its own variance.
-///
-/// relMSE = mean over pixels and channels of `Var / (mean² + 0.01·mean(image)²)`, where `Var` is the variance of the
-/// pixel's mean. The interval holds with 95 % confidence: pixels count as independent, and their spread bounds the
-/// estimate's own error from above.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct ImageError {
-    /// The estimate.
-    pub rel_mse: f64,
-    /// Lower end of the interval.
-    pub rel_mse_low: f64,
-    /// Upper end of the interval.
-    pub rel_mse_high: f64,
-}
-
 impl Film {
-    /// A film without samples.
-    pub fn new(size: FilmSize) -> Self {
+    /// A film without samples, for those of `sampler`.
+    pub fn new(size: FilmSize, sampler: Sampler) -> Self {
         Self {
             size,
+            sampler,
             pixels: vec![Pixel::default(); size.pixels()],
             ledger: Ledger::default(),
         }
@@ -138,47 +149,6 @@ impl Film {
         sum.map(|s| s / self.pixels.len() as f64)
     }
 
-    /// Standard error of [`mean`](Self::mean); `None` while a pixel has fewer than two samples.
-    pub fn standard_error_of_mean(&self) -> Option<[f64; 3]> {
-        let sum = self
-            .pixels
-            .par_iter()
-            .map(Pixel::variance_of_mean)
-            .try_reduce(
-                || [0.0; 3],
-                |a, b| Some([a[0] + b[0], a[1] + b[1], a[2] + b[2]]),
-            )?;
-        Some(sum.map(|s| s.sqrt() / self.pixels.len() as f64))
-    }
-
-    /// The image's error; `None` while a pixel has fewer than two samples, or when the image is black.
-    pub fn error(&self) -> Option<ImageError> {
-        let mean = self.mean();
-        let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
-        let floor = 0.01 * overall * overall;
-        if floor <= 0.0 {
-            return None;
-        }
-        let terms = self.pixels.par_iter().map(|p| {
-            let variance = p.variance_of_mean()?;
-            let term: f64 = (0..3)
-                .map(|c| variance[c] / (p.mean[c] * p.mean[c] + floor))
-                .sum();
-            Some((term / 3.0, (term / 3.0) * (term / 3.0)))
-        });
-        let (sum, squares) =
-            terms.try_reduce(|| (0.0, 0.0), |a, b| Some((a.0 + b.0, a.1 + b.1)))?;
-        let n = self.pixels.len() as f64;
-        let rel_mse = sum / n;
-        let spread = (squares / n - rel_mse * rel_mse).max(0.0);
-        let half = 1.959_963_984_540_054 * (spread / n).sqrt();
-        Some(ImageError {
-            rel_mse,
-            rel_mse_low: (rel_mse - half).max(0.0),
-            rel_mse_high: rel_mse + half,
-        })
-    }
-
     /// Fewest and most samples of any pixel.
     pub fn sample_range(&self) -> (u64, u64) {
         let samples = self.pixels.iter().map(|p| p.samples);
@@ -190,14 +160,19 @@ impl Film {
 mod tests {
     use super::*;
 
+    /// The block that begins with an even sample.
     fn block(values: &[f32]) -> PixelState {
         let mut state = PixelState::default();
-        for &x in values {
+        for (i, &x) in values.iter().enumerate() {
             state.samples += 1;
+            let second = i % 2;
+            state.second_samples += second as u32;
             for c in 0..3 {
                 let delta = x - state.mean[c];
                 state.mean[c] += delta / state.samples as f32;
                 state.m2[c] += delta * (x - state.mean[c]);
+                let delta = (x - state.second_mean[c]) * second as f32;
+                state.second_mean[c] += delta / state.second_samples.max(1) as f32;
             }
         }
         state
@@ -218,6 +193,31 @@ mod tests {
         assert_eq!(pixel.samples, 1000);
         assert!((pixel.mean[0] - mean).abs() < 1e-6 * mean);
         assert!((pixel.m2[1] - m2).abs() < 1e-5 * m2);
+        let odd = values.iter().skip(1).step_by(2);
+        let second = odd.map(|&x| f64::from(x)).sum::<f64>() / 500.0;
+        assert_eq!(pixel.second_samples, 500);
+        assert!((pixel.second_mean[2] - second).abs() < 1e-6 * second);
+        let half = pixel.half_difference().expect("1000 samples")[0];
+        assert!((half - (mean - second)).abs() < 1e-5);
+    }
+
+    #[test]
+    fn replicates_may_differ_in_size() {
+        // Means A = 3 of one sample and B = 1 of three: (A − B)·√(1·3)/4.
+        let pixel = Pixel {
+            samples: 4,
+            mean: [1.5; 3],
+            second_samples: 3,
+            second_mean: [1.0; 3],
+            ..Pixel::default()
+        };
+        let half = pixel.half_difference().expect("both have samples")[1];
+        assert!((half - 2.0 * 3.0_f64.sqrt() / 4.0).abs() < 1e-12);
+        let alone = Pixel {
+            samples: 3,
+            ..pixel
+        };
+        assert!(alone.half_difference().is_none());
     }
 
     #[test]

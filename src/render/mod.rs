@@ -1,11 +1,16 @@
 //! Progressive rendering: passes on the GPU, blocks of samples merged into an f64 film on the host.
 
 pub mod check;
+mod error;
 pub mod film;
+pub mod goal;
+mod neighbourhood;
 pub mod prepare;
 pub mod session;
 
 pub use check::Check;
-pub use film::{Film, FirstBad, ImageError, Ledger};
+pub use error::{BLUE_NOISE_TILE, CONFIDENCE, ImageError};
+pub use film::{Film, FirstBad, Ledger};
+pub use goal::ErrorGoal;
 pub use prepare::Prepared;
 pub use session::{RayCounts, Session, StopReason};

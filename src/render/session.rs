@@ -157,7 +157,7 @@ impl<'a> Session<'a> {
             unfinished,
             unfinished_staging: GpuBuffer::zeroed(device, "direct.unfinished.staging", 1, read),
             regions,
-            film: Film::new(film),
+            film: Film::new(film, prepared.scene.render.sampler),
             rays: RayCounts::default(),
             merged: 0,
             position: 0,
@@ -196,7 +196,7 @@ impl<'a> Session<'a> {
         self.close_block()?;
         self.merged = 0;
         self.rays = RayCounts::default();
-        self.film = Film::new(self.film.size);
+        self.film = Film::new(self.film.size, self.film.sampler);
         Ok(())
     }
 

@@ -142,12 +142,21 @@ pub enum Sampler {
 }
 
 impl Sampler {
-    /// Numbers that the sampler's pattern is made for, for `spp` samples per pixel: of the jittered grid the logarithms of
-    /// its columns and rows, of blue noise that of the samples per pixel.
+    /// Whether samples are drawn each by itself, so that their scatter tells the error of their mean.
+    pub fn is_independent(self) -> bool {
+        self == Self::Independent
+    }
+
+    /// Numbers that the sampler's pattern is made for, for `spp` samples per pixel in two replicates: of the jittered grid
+    /// the logarithms of its columns and rows, of blue noise that of the samples of a replicate.
     pub fn pattern(self, spp: u64) -> [u32; 2] {
         // Larger patterns gain little, and smaller ones can be gone through again; without a number of samples, as when
         // time alone decides, a medium one serves.
-        let samples = if spp > MAX_PATTERN { 64 } else { spp };
+        let samples = if spp > MAX_PATTERN {
+            32
+        } else {
+            spp.div_ceil(2)
+        };
         let bits = samples.next_power_of_two().ilog2();
         match self {
             Self::Independent | Self::Sobol => [0, 0],
@@ -176,6 +185,10 @@ pub struct RenderSettings {
     pub spp: u64,
     /// Seconds of rendering after which it ends, even with fewer samples; none: `spp` alone decides.
     pub time: Option<f64>,
+    /// Relative error of the image, √relMSE, at which it ends; none: other settings decide.
+    pub error: Option<f64>,
+    /// Confidence with which the image's error has to be below `error`, between 0 and 1.
+    pub confidence: f64,
     /// Seed of the random numbers.
     pub seed: u32,
 }
@@ -189,6 +202,8 @@ impl Default for RenderSettings {
             sampler: Sampler::default(),
             spp: 64,
             time: None,
+            error: None,
+            confidence: 0.95,
             seed: 0,
         }
     }
@@ -235,11 +250,11 @@ mod tests {
 
     #[test]
     fn patterns_hold_the_samples() {
-        assert_eq!(Sampler::Stratified.pattern(64), [3, 3]);
-        assert_eq!(Sampler::Stratified.pattern(65), [4, 3]);
+        assert_eq!(Sampler::Stratified.pattern(128), [3, 3]);
+        assert_eq!(Sampler::Stratified.pattern(129), [4, 3]);
         assert_eq!(Sampler::Stratified.pattern(1), [0, 0]);
-        assert_eq!(Sampler::BlueNoise.pattern(16), [4, 0]);
-        assert_eq!(Sampler::BlueNoise.pattern(u64::MAX), [6, 0]);
+        assert_eq!(Sampler::BlueNoise.pattern(16), [3, 0]);
+        assert_eq!(Sampler::BlueNoise.pattern(u64::MAX), [5, 0]);
         assert_eq!(Sampler::Sobol.pattern(1024), [0, 0]);
     }
 }

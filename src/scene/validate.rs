@@ -293,6 +293,20 @@ impl Check<'_> {
             || "render.time".to_owned(),
             || format!("is {time}"),
             "seconds, above 0",
+        )?;
+        let error = render.error.unwrap_or(1.0);
+        self.require(
+            error > 0.0 && error.is_finite(),
+            || "render.error".to_owned(),
+            || format!("is {error}"),
+            "a relative error such as 0.01, above 0",
+        )?;
+        let confidence = render.confidence;
+        self.require(
+            confidence > 0.0 && confidence < 1.0,
+            || "render.confidence".to_owned(),
+            || format!("is {confidence}"),
+            "a probability such as 0.95, above 0 and below 1",
         )
     }
 

@@ -14,6 +14,7 @@
 //! | do many z-scores follow the normal distribution? | [`kolmogorov::normality_test`] |
 
 pub mod chi2;
+pub mod interval;
 pub mod kolmogorov;
 pub mod moments;
 pub mod pairs;

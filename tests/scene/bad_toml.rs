@@ -149,6 +149,14 @@ fn numbers_out_of_their_domain() {
         "render.time: is 0; expected seconds, above 0",
     );
     says(
+        refused(&format!("{CAMERA}[render]\nerror = -0.01\n")),
+        "render.error: is -0.01; expected a relative error such as 0.01, above 0",
+    );
+    says(
+        refused(&format!("{CAMERA}[render]\nconfidence = 95\n")),
+        "render.confidence: is 95; expected a probability such as 0.95, above 0 and below 1",
+    );
+    says(
         refused("[materials.m]\ntype = \"lambert\"\nreflectance = [0.5, 1.5, 0.5]\n"),
         "materials.m.reflectance: is [0.5, 1.5, 0.5]; expected each channel from 0 to 1",
     );

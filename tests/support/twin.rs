@@ -7,7 +7,7 @@ use direkt::gpu::recorder::Recorder;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::reference::{Sample, Twin};
 use direkt::render::{Film, Prepared};
-use direkt::scene::FilmSize;
+use direkt::scene::{FilmSize, Sampler};
 use direkt::stats::moments::Moments;
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
@@ -75,7 +75,7 @@ fn film_of(size: FilmSize, samples: u64, radiance: impl Fn(u64) -> Vec<DVec3>) -
             }
         }
     }
-    let mut film = Film::new(size);
+    let mut film = Film::new(size, Sampler::Independent);
     for (pixel, sums) in film.pixels.iter_mut().zip(sums) {
         pixel.samples = samples;
         pixel.mean = sums.map(|m| m.mean);

@@ -17,11 +17,14 @@ pub const GROUP_DIRECTION: u32 = 2;
 pub struct SampleId {
     /// Index of the pixel, row by row.
     pub pixel: u32,
-    /// Index of the sample.
+    /// Index of the sample in its replicate.
     pub index: u64,
-    /// The render's seed.
+    /// The replicate's seed.
     pub seed: u32,
 }
+
+/// Added to the seed of the second replicate.
+const REPLICATE_SEED: u32 = 0x6c8e_9cf5;
 
 /// A sampler with its pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -35,9 +38,22 @@ pub struct Numbers {
 }
 
 impl Numbers {
+    /// Sample `index` of pixel `pixel` in a render with seed `seed`; even and odd samples are two replicates.
+    pub fn sample_id(&self, pixel: u32, index: u64, seed: u32) -> SampleId {
+        if self.sampler.is_independent() {
+            return SampleId { pixel, index, seed };
+        }
+        let replicate = (index & 1) as u32;
+        SampleId {
+            pixel,
+            index: index >> 1,
+            seed: seed.wrapping_add(replicate * REPLICATE_SEED),
+        }
+    }
+
     /// The four random words of a group of dimensions.
     pub fn group(&self, id: SampleId, group: u32) -> [u32; 4] {
-        if self.sampler == Sampler::Independent {
+        if self.sampler.is_independent() {
             return random_group(id, group);
         }
         let [a, b] = self.pair(id, 2 * group);

@@ -185,11 +185,8 @@ impl<'a> Direct<'a> {
     }
 
     fn id(&self, x: u32, y: u32, index: u64) -> SampleId {
-        SampleId {
-            pixel: y * self.size.width + x,
-            index,
-            seed: self.seed,
-        }
+        let pixel = y * self.size.width + x;
+        self.numbers.sample_id(pixel, index, self.seed)
     }
 
     /// One sample of the radiance that arrives at the pixel (x, y).

@@ -279,13 +279,73 @@ fn groups_of_every_sampler_are_bit_identical() {
     }
 }
 
-/// The 64 samples of a pixel in each pair of dimensions: one in every cell of an 8 × 8 grid.
+/// Even and odd samples are replicates of samplers that stratify: the twin's, with seeds of their own.
+#[test]
+fn samples_of_every_sampler_are_named_alike() {
+    let context = context();
+    let indices = [
+        0,
+        1,
+        2,
+        3,
+        77,
+        (1 << 32) - 1,
+        1 << 32,
+        (1 << 33) + 1,
+        u64::MAX,
+    ];
+    for (sampler, features) in [
+        (Sampler::Independent, &[][..]),
+        (Sampler::Stratified, &["SAMPLER_STRATIFIED"]),
+        (Sampler::Sobol, &["SAMPLER_SOBOL"]),
+        (Sampler::BlueNoise, &["SAMPLER_BLUE_NOISE"]),
+    ] {
+        let function = Function {
+            imports: "import package::core::sampler::sample_id;",
+            body: "let named = sample_id(in_u32(0u), vec2u(in_u32(1u), in_u32(2u)), in_u32(3u), 7u, vec2u(3u, 2u));
+                   out_u32(0u, named.pixel);
+                   out_u32(1u, named.index.x);
+                   out_u32(2u, named.index.y);
+                   out_u32(3u, named.seed);
+                   out_u32(4u, named.width + named.pattern.x + named.pattern.y);",
+            inputs: 4,
+            outputs: 5,
+            features,
+        };
+        let inputs: Vec<u32> = indices
+            .iter()
+            .flat_map(|&index| [9, index as u32, (index >> 32) as u32, 67])
+            .collect();
+        let answers = call(&context, &function, &inputs);
+        let numbers = Numbers {
+            sampler,
+            ..Numbers::default()
+        };
+        for (i, &index) in indices.iter().enumerate() {
+            let id = numbers.sample_id(9, index, 67);
+            let found = [0, 1, 2, 3, 4].map(|word| answers.u32(word).nth(i).unwrap());
+            let expected = [
+                id.pixel,
+                id.index as u32,
+                (id.index >> 32) as u32,
+                id.seed,
+                12,
+            ];
+            assert_eq!(found, expected, "{sampler}, sample {index}");
+        }
+        let seeds = [0, 1, 2].map(|index| numbers.sample_id(9, index, 67).seed);
+        assert_eq!(seeds[0], seeds[2]);
+        assert_eq!(seeds[0] == seeds[1], sampler.is_independent());
+    }
+}
+
+/// The 64 samples of a pixel's replicate in each pair of dimensions: one in every cell of an 8 × 8 grid.
 #[test]
 fn stratified_samplers_fill_the_grid() {
     for sampler in [Sampler::Stratified, Sampler::Sobol, Sampler::BlueNoise] {
         let numbers = Numbers {
             sampler,
-            pattern: sampler.pattern(64),
+            pattern: sampler.pattern(128),
             width: 9,
         };
         for (pixel, group) in [(0, GROUP_FILM), (40, GROUP_LIGHT), (80, GROUP_DIRECTION)] {

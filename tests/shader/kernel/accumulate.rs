@@ -20,9 +20,10 @@ fn accumulated(blocks: &[Vec<[f32; 3]>]) -> Answers {
                out_vec3f(0u, state.mean); out_vec3f(3u, state.m2);
                out_u32(6u, state.samples); out_u32(7u, state.dropped);
                out_u32(8u, state.first_nan); out_u32(9u, state.first_infinite);
-               out_u32(10u, state.shadow_rays + state.bsdf_rays);",
+               out_u32(10u, state.shadow_rays + state.bsdf_rays);
+               out_vec3f(11u, state.second_mean); out_u32(14u, state.second_samples);",
         inputs: 3 * LENGTH,
-        outputs: 11,
+        outputs: 15,
         features: &[],
     };
     let words: Vec<u32> = blocks
@@ -69,6 +70,15 @@ fn assert_moments(answers: &Answers, item: usize, block: &[[f32; 3]], what: &str
             "{what}: m2 {m2}, not {expected:?}"
         );
         assert!(m2 >= 0.0, "{what}");
+        let odd: Vec<_> = block.iter().skip(1).step_by(2).copied().collect();
+        let second = moments(&odd, channel);
+        let mean = answers.f64(11 + channel).nth(item).unwrap();
+        assert!(
+            (mean - second.mean).abs() <= 2.0 * second.count as f64 * U * largest,
+            "{what}: {mean}, not {second:?}"
+        );
+        let count = answers.u32(14).nth(item).unwrap();
+        assert_eq!(u64::from(count), second.count, "{what}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! Values with 95 % confidence intervals.
 
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// The two-sided 95 % quantile of the normal distribution.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -9,10 +9,16 @@ pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// The two-sided 95 % quantile of Student's distribution; that of the normal one where the degrees of freedom are many,
 /// infinite where there are none.
 pub fn student_95(degrees_of_freedom: f64) -> f64 {
+    student(degrees_of_freedom, 0.95)
+}
+
+/// The same quantile for any confidence in (0, 1).
+pub fn student(degrees_of_freedom: f64, confidence: f64) -> f64 {
+    let below = 0.5 * (1.0 + confidence);
     if degrees_of_freedom > 1e4 {
-        return NORMAL_95;
+        return Normal::standard().inverse_cdf(below);
     }
-    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+    StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(below))
 }
 
 /// A value that cannot be negative, with its 95 % confidence interval.
@@ -124,6 +130,8 @@ mod tests {
         }
         assert!((student_95(1e6) - NORMAL_95).abs() < 1e-5);
         assert!(student_95(0.0).is_infinite());
+        assert!((student(f64::INFINITY, 0.99) - 2.575_829).abs() < 1e-5);
+        assert!((student(4.0, 0.9) - 2.131_8).abs() < 1e-4);
     }
 
     #[test]

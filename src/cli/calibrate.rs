@@ -1,0 +1,103 @@
+//! `direkt cost --calibrate`: do images know their own error?
+
+use super::print;
+use crate::cost::calibrate::{Calibration, Estimate, Settings, calibrate};
+use crate::cost::estimator;
+use crate::error::Error;
+use crate::gpu::Context;
+use crate::report::format::short;
+use crate::scene::{Sampler, Scene, Strategy};
+use clap::ValueEnum;
+
+/// What `--calibrate` takes besides the scenes.
+#[derive(Debug, clap::Args)]
+pub struct CalibrateArguments {
+    /// Compare the errors that images report with their actual ones, over many seeds; no report is written
+    #[arg(long)]
+    pub calibrate: bool,
+    /// Images of each sampler for --calibrate
+    #[arg(long, value_name = "N", default_value_t = 200, requires = "calibrate", value_parser = clap::value_parser!(u32).range(10..=10_000))]
+    images: u32,
+    /// Samples per pixel of these images [default: the scene's]
+    #[arg(long, value_name = "N", requires = "calibrate", value_parser = clap::value_parser!(u64).range(2..))]
+    spp: Option<u64>,
+}
+
+impl CalibrateArguments {
+    /// Calibrates `strategies`, or the scene's where there are none, with `samplers`, or all.
+    pub fn run(
+        &self,
+        context: &Context,
+        scene: &Scene,
+        strategies: &[Strategy],
+        samplers: &[Sampler],
+        progress: &mut dyn FnMut(&str, f64),
+    ) -> Result<Vec<Calibration>, Error> {
+        let strategies = match strategies {
+            [] => vec![scene.render.strategy],
+            list => list.to_vec(),
+        };
+        let samplers = match samplers {
+            [] => Sampler::value_variants().to_vec(),
+            list => list.to_vec(),
+        };
+        let settings = Settings {
+            estimators: estimator::combinations(
+                &strategies,
+                &[scene.render.light_selection],
+                &samplers,
+            ),
+            images: self.images,
+            samples: self.spp.unwrap_or(scene.render.spp),
+            seed: scene.render.seed,
+        };
+        calibrate(context, scene, &settings, progress)
+    }
+}
+
+/// Prints the table.
+pub fn print_table(calibrations: &[Calibration]) -> Result<(), Error> {
+    let Some(first) = calibrations.first() else {
+        return Ok(());
+    };
+    print(&format!(
+        "{}: {} × {}, {} images of {} samples per pixel each\n  {:<44}{:>10}{:>22}{:>18}   stopped at √relMSE{:>22}{:>18}{:>26}\n",
+        first.scene,
+        first.width,
+        first.height,
+        first.images,
+        first.samples,
+        "estimator",
+        "relMSE",
+        "reported/actual",
+        "in 95 % interval",
+        "reported/actual",
+        "below target",
+        "bias of the mean",
+    ))?;
+    for c in calibrations {
+        let s = &c.stopped;
+        let bias = s.bias_of_mean[1];
+        print(&format!(
+            "  {:<44}{:>10}{:>22}{:>18}   {:>7} after {:>7.1}{:>22}{:>18}{:>26}\n",
+            c.estimator.to_string(),
+            short(c.actual),
+            plus_minus(c.ratio, 3),
+            percent(c.coverage),
+            short(s.target),
+            s.samples,
+            plus_minus(s.ratio, 3),
+            percent(s.below_target),
+            format!("{:+.1e} ± {:.1e}", bias.value, bias.standard_error),
+        ))?;
+    }
+    Ok(())
+}
+
+fn plus_minus(e: Estimate, digits: usize) -> String {
+    format!("{:.digits$} ± {:.digits$}", e.value, e.standard_error)
+}
+
+fn percent(e: Estimate) -> String {
+    format!("{:.1} ± {:.1} %", 100.0 * e.value, 100.0 * e.standard_error)
+}

@@ -1,0 +1,281 @@
+//! Do images know their own error? Many seeds, each image's reported error beside its actual one.
+//!
+//! The truth is the mean of all the images of one estimator: with x_k one of K images and x̄ their mean,
+//! (x_k − x̄)²·K/(K − 1) has the expectation of x_k's squared error. relMSE's denominators come from x̄.
+//!
+//! Stopping at a target error stops rather where the error happens to be told too small. What this does to the reported
+//! error and to the image itself is measured by as many renders that stop by themselves, with other seeds.
+
+use super::Progress;
+use super::estimator::{self, Estimator};
+use super::runner::{Runner, Seeds, prepare};
+use crate::error::Error;
+use crate::gpu::Context;
+use crate::render::{ErrorGoal, Film, ImageError};
+use crate::scene::Scene;
+use crate::stats::moments::Moments;
+use serde::Serialize;
+
+/// What to calibrate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// The estimators.
+    pub estimators: Vec<Estimator>,
+    /// Images of each.
+    pub images: u32,
+    /// Samples per pixel of each image.
+    pub samples: u64,
+    /// All seeds are derived from it.
+    pub seed: u32,
+}
+
+/// A value with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+}
+
+/// How the errors that images report compare with their actual ones.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Calibration {
+    /// The scene's file.
+    pub scene: String,
+    /// The estimator.
+    #[serde(flatten)]
+    pub estimator: Estimator,
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Samples per pixel.
+    pub samples: u64,
+    /// Images.
+    pub images: u32,
+    /// Mean of the actual relMSE.
+    pub actual: f64,
+    /// Mean of the reported over mean of the actual relMSE.
+    pub ratio: Estimate,
+    /// Fraction of the images whose actual relMSE lies in the reported interval of 95 % confidence.
+    pub coverage: Estimate,
+    /// Renders that stopped by themselves.
+    pub stopped: Stopped,
+}
+
+/// What stopping at a target does.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stopped {
+    /// The target: a relative error, √relMSE.
+    pub target: f64,
+    /// Mean number of samples per pixel at which images stopped.
+    pub samples: f64,
+    /// Mean of the reported over mean of the actual relMSE when they stopped.
+    pub ratio: Estimate,
+    /// Fraction of the images whose actual error was below the target.
+    pub below_target: Estimate,
+    /// Per channel (mean of the image − its mean without stopping) / its mean without stopping.
+    pub bias_of_mean: [Estimate; 3],
+}
+
+/// Calibrates `estimators` on `scene`.
+///
+/// # Errors
+/// An estimator finds no light, or the driver fails.
+pub fn calibrate(
+    context: &Context,
+    scene: &Scene,
+    settings: &Settings,
+    progress: Progress<'_>,
+) -> Result<Vec<Calibration>, Error> {
+    let mut calibrations = Vec::new();
+    for &estimator in &settings.estimators {
+        let prepared = prepare(scene, estimator);
+        if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
+            let source = scene.source.display();
+            return Err(Error::Usage(format!("{source}: {estimator}: {reason}")));
+        }
+        progress(&format!("compiling {estimator}"), 0.0);
+        let mut runner = Runner::new(context, &prepared, scene.film, estimator)?;
+        calibrations.push(one(scene, &mut runner, settings, progress)?);
+    }
+    Ok(calibrations)
+}
+
+/// An image with what it reports.
+struct Image {
+    mean: Vec<[f32; 3]>,
+    reported: ImageError,
+}
+
+fn one(
+    scene: &Scene,
+    runner: &mut Runner<'_>,
+    settings: &Settings,
+    progress: Progress<'_>,
+) -> Result<Calibration, Error> {
+    let estimator = runner.estimator;
+    let mut seeds = Seeds::new(settings.seed);
+    let images = f64::from(settings.images);
+    let mut tell = |what: &str, done: usize, half: f64| {
+        let part = 0.5 * (half + done as f64 / images);
+        progress(&format!("{estimator}: {what}"), part);
+    };
+    let unknown = || {
+        let source = scene.source.display();
+        Error::Usage(format!(
+            "{source}: {estimator}: the image is black and has no relative error"
+        ))
+    };
+    let mut fixed = Vec::new();
+    for done in 0..settings.images as usize {
+        tell("images", done, 0.0);
+        let film = runner.run(seeds.draw(), settings.samples)?.film;
+        fixed.push(image(&film).ok_or_else(unknown)?);
+    }
+    let truth = Truth::new(&fixed);
+    let actual: Vec<f64> = fixed.iter().map(|i| truth.of_member(&i.mean)).collect();
+    let reported: Vec<f64> = fixed.iter().map(|i| i.reported.rel_mse).collect();
+    let inside = fixed.iter().zip(&actual);
+    let inside = inside
+        .map(|(i, actual)| i.reported.rel_mse_low <= *actual && *actual <= i.reported.rel_mse_high);
+    let coverage = fraction(inside);
+
+    let goal = ErrorGoal::new(actual.iter().sum::<f64>().sqrt() / images.sqrt());
+    let (mut stopped, mut samples) = (Vec::new(), Moments::default());
+    for done in 0..settings.images as usize {
+        tell("images that stop by themselves", done, 1.0);
+        let (run, taken) = runner.run_to(seeds.draw(), goal)?;
+        samples.push(taken as f64);
+        stopped.push(image(&run.film).ok_or_else(unknown)?);
+    }
+    Ok(Calibration {
+        scene: scene.source.display().to_string(),
+        estimator,
+        width: scene.film.width,
+        height: scene.film.height,
+        samples: settings.samples,
+        images: settings.images,
+        actual: actual.iter().sum::<f64>() / images,
+        ratio: ratio(&reported, &actual),
+        coverage,
+        stopped: of_stopped(&stopped, &fixed, &truth, goal, samples.mean),
+    })
+}
+
+fn image(film: &Film) -> Option<Image> {
+    Some(Image {
+        mean: film
+            .pixels
+            .iter()
+            .map(|p| p.mean.map(|m| m as f32))
+            .collect(),
+        reported: film.error()?,
+    })
+}
+
+fn of_stopped(
+    stopped: &[Image],
+    fixed: &[Image],
+    truth: &Truth,
+    goal: ErrorGoal,
+    samples: f64,
+) -> Stopped {
+    let actual: Vec<f64> = stopped.iter().map(|i| truth.of_other(&i.mean)).collect();
+    let reported: Vec<f64> = stopped.iter().map(|i| i.reported.rel_mse).collect();
+    let target = goal.relative * goal.relative;
+    let means = |images: &[Image], c: usize| -> Moments {
+        let mean =
+            |i: &Image| i.mean.iter().map(|m| f64::from(m[c])).sum::<f64>() / i.mean.len() as f64;
+        images.iter().map(mean).collect()
+    };
+    let bias = |c: usize| {
+        let (stopped, fixed) = (means(stopped, c), means(fixed, c));
+        let variance = |m: &Moments| m.variance_of_mean().unwrap_or(0.0);
+        Estimate {
+            value: stopped.mean / fixed.mean - 1.0,
+            standard_error: (variance(&stopped) + variance(&fixed)).sqrt() / fixed.mean,
+        }
+    };
+    Stopped {
+        target: goal.relative,
+        samples,
+        ratio: ratio(&reported, &actual),
+        below_target: fraction(actual.iter().map(|a| *a <= target)),
+        bias_of_mean: [bias(0), bias(1), bias(2)],
+    }
+}
+
+/// The mean of all images.
+struct Truth {
+    mean: Vec<[f64; 3]>,
+    /// 0.01·mean².
+    floor: f64,
+    images: f64,
+}
+
+impl Truth {
+    fn new(images: &[Image]) -> Self {
+        let mut mean = vec![[0.0; 3]; images[0].mean.len()];
+        let part = 1.0 / images.len() as f64;
+        for image in images {
+            for (mean, value) in mean.iter_mut().zip(&image.mean) {
+                for c in 0..3 {
+                    mean[c] += f64::from(value[c]) * part;
+                }
+            }
+        }
+        let overall = mean.iter().flatten().sum::<f64>() / (3 * mean.len()) as f64;
+        Self {
+            mean,
+            floor: 0.01 * overall * overall,
+            images: images.len() as f64,
+        }
+    }
+
+    /// relMSE against the mean.
+    fn against(&self, image: &[[f32; 3]]) -> f64 {
+        let pixels = self.mean.iter().zip(image);
+        let terms = pixels.flat_map(|(truth, x)| {
+            (0..3)
+                .map(|c| (f64::from(x[c]) - truth[c]).powi(2) / (truth[c] * truth[c] + self.floor))
+        });
+        terms.sum::<f64>() / (3 * image.len()) as f64
+    }
+
+    /// relMSE of one of the images that the mean is made of.
+    fn of_member(&self, image: &[[f32; 3]]) -> f64 {
+        self.against(image) * self.images / (self.images - 1.0)
+    }
+
+    /// relMSE of another image, with as many samples: the mean's own error, one K-th of it, is taken off.
+    fn of_other(&self, image: &[[f32; 3]]) -> f64 {
+        self.against(image) * self.images / (self.images + 1.0)
+    }
+}
+
+/// Σa/Σb with its standard error by linearisation.
+fn ratio(a: &[f64], b: &[f64]) -> Estimate {
+    let n = a.len() as f64;
+    let (sum_a, sum_b) = (a.iter().sum::<f64>(), b.iter().sum::<f64>());
+    let value = sum_a / sum_b;
+    let residuals = a.iter().zip(b).map(|(a, b)| (a - value * b).powi(2));
+    Estimate {
+        value,
+        standard_error: (residuals.sum::<f64>() * n / (n - 1.0)).sqrt() / sum_b,
+    }
+}
+
+fn fraction(hits: impl Iterator<Item = bool>) -> Estimate {
+    let (mut all, mut n) = (0.0_f64, 0.0_f64);
+    for hit in hits {
+        n += 1.0;
+        all += f64::from(u8::from(hit));
+    }
+    let value = all / n;
+    Estimate {
+        value,
+        standard_error: (value * (1.0 - value) / n).sqrt(),
+    }
+}

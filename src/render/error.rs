@@ -1,0 +1,191 @@
+//! How right an image is, told by the image itself.
+//!
+//! Every pixel has two independent *replicates* A and B, the samples with even and with odd indices: two randomisations of
+//! the sampler's pattern, each with its own seed. With a and b the replicates' errors, the image (A + B)/2 has the error
+//! (a + b)/2, and half the replicates' difference is (a − b)/2. Their squares differ by
+//!
+//! ```text
+//!     ((a + b)/2)² − ((a − b)/2)² = a·b
+//! ```
+//!
+//! a product of two independent numbers whose means are zero. So whatever the sampler and however heavy the tails of its
+//! samples, the squared half differences estimate the squared error of *this* image without bias. What they miss it by has
+//! the variance (2V)², with V the variance of the image's pixel, and E((a − b)/2)⁴ = 3V² tells it: exactly where errors are
+//! normal, too large where their tails are heavier.
+
+use super::film::Film;
+use super::neighbourhood::box_mean;
+use crate::scene::{FilmSize, Sampler};
+use crate::stats::interval::{Interval, student};
+use rayon::prelude::*;
+
+/// Pixels on each side of one whose replicates tell its variance.
+const VARIANCE_RADIUS: usize = 3;
+/// Pixels on each side of one that tell what it is without its noise.
+const MEAN_RADIUS: usize = 2;
+/// Pixels along the side of a tile that counts as independent of others under blue noise.
+pub const BLUE_NOISE_TILE: u32 = 16;
+/// Confidence of the interval that is reported unless another is asked for.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// The relative mean squared error of an image against the truth, as the image itself tells it:
+///
+/// relMSE = mean over pixels and channels of (x − r)² / (r² + 0.01·mean(r)²), with x the image and r the truth.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct ImageError {
+    /// The estimate.
+    pub rel_mse: f64,
+    /// Lower end of the interval in which the image's relMSE lies.
+    pub rel_mse_low: f64,
+    /// Upper end.
+    pub rel_mse_high: f64,
+    /// Probability with which it lies there.
+    pub confidence: f64,
+}
+
+impl Film {
+    /// The image's error with an interval of 95 % confidence; see [`error_at`](Self::error_at).
+    pub fn error(&self) -> Option<ImageError> {
+        self.error_at(CONFIDENCE)
+    }
+
+    /// The image's error, its interval holding with the probability `confidence`; `None` while a pixel has not two
+    /// samples, one of each replicate, or when the image is black.
+    ///
+    /// In the denominators stands what the image suggests for the truth. That it is noisy makes the estimate too small or
+    /// too large, as errors are skewed or not; how much it may be is told by denominators with the noise added to them, and
+    /// the interval is so much wider.
+    pub fn error_at(&self, confidence: f64) -> Option<ImageError> {
+        let mean = self.mean();
+        let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
+        let floor = 0.01 * overall * overall;
+        let noise = self.squared_half_differences()?;
+        if floor <= 0.0 {
+            return None;
+        }
+        let truth = self.truth(&noise);
+        let terms = noise.par_iter().zip(&truth).map(|(noise, truth)| {
+            let (mut term, mut with_noise) = (0.0, 0.0);
+            for c in 0..3 {
+                let denominator = truth[c] * truth[c] + floor;
+                term += noise[c] / denominator / 3.0;
+                with_noise += noise[c] / (denominator + noise[c]) / 3.0;
+            }
+            [term, term - with_noise, term.powi(2), term.powi(4)]
+        });
+        let [sum, of_denominators, squares, fourth] = terms.reduce(
+            || [0.0; 4],
+            |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]],
+        );
+        // How many pixels share the variance: few products of errors are no normal variable.
+        let freedom = if fourth > 0.0 {
+            squares * squares / fourth
+        } else {
+            f64::INFINITY
+        };
+        let by_chance = student(freedom, confidence) * (4.0 / 3.0 * squares).sqrt();
+        let pixels = self.pixels.len() as f64;
+        let half = by_chance.hypot(of_denominators) / pixels;
+        let interval = Interval::positive(sum / pixels, half);
+        Some(ImageError {
+            rel_mse: interval.value,
+            rel_mse_low: interval.low,
+            rel_mse_high: interval.high,
+            confidence,
+        })
+    }
+
+    /// Per pixel and channel the variance of the mean; `None` while a pixel has not two samples, one of each replicate.
+    ///
+    /// That of independent samples follows from their scatter. With samplers that stratify the mean is better than the
+    /// scatter says; by how much is told by the replicates of the 7 × 7 pixels around.
+    pub fn variances(&self) -> Option<Vec<[f64; 3]>> {
+        let squares = self.squared_half_differences()?;
+        let scatter: Option<Vec<_>> = self.pixels.iter().map(|p| p.variance_of_mean()).collect();
+        let scatter = scatter?;
+        if self.sampler.is_independent() {
+            return Some(scatter);
+        }
+        let by_replicates = box_mean(&squares, self.size, VARIANCE_RADIUS);
+        let by_scatter = box_mean(&scatter, self.size, VARIANCE_RADIUS);
+        let pixels = scatter.iter().zip(by_replicates).zip(by_scatter);
+        let scaled = pixels.map(|((scatter, replicates), around)| {
+            [0, 1, 2].map(|c| scatter[c] * replicates[c] / around[c].max(f64::MIN_POSITIVE))
+        });
+        Some(scaled.collect())
+    }
+
+    /// What the image suggests for the truth, pixel by pixel; `noise` are squares of each pixel's noise.
+    ///
+    /// A pixel's own value would not do: where it is too bright by chance, its error would be divided by the too bright
+    /// value, and where samples are skewed that is just where the error is large. So it is the local mean as far as the
+    /// pixels around differ by no more than their noise, whose mean over so few pixels is known to a factor of two (Lee
+    /// 1980, "Digital Image Enhancement and Noise Filtering by Use of Local Statistics").
+    fn truth(&self, noise: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let values: Vec<_> = self.pixels.iter().map(|p| p.mean).collect();
+        let squares: Vec<_> = values.iter().map(|v| v.map(|v| v * v)).collect();
+        let around = |values: &[[f64; 3]]| box_mean(values, self.size, MEAN_RADIUS);
+        let (local, squares, noise) = (around(&values), around(&squares), around(noise));
+        let truth = (0..values.len()).into_par_iter().map(|i| {
+            [0, 1, 2].map(|c| {
+                let mean = local[i][c];
+                let spread = squares[i][c] - mean * mean;
+                let signal = (spread - 2.0 * noise[i][c]).max(0.0);
+                let keep = if spread > 0.0 { signal / spread } else { 0.0 };
+                mean + keep * (values[i][c] - mean)
+            })
+        });
+        truth.collect()
+    }
+
+    fn squared_half_differences(&self) -> Option<Vec<[f64; 3]>> {
+        let halves = self.half_differences()?;
+        Some(halves.into_iter().map(|h| h.map(|h| h * h)).collect())
+    }
+
+    fn half_differences(&self) -> Option<Vec<[f64; 3]>> {
+        self.pixels.iter().map(|p| p.half_difference()).collect()
+    }
+
+    /// Standard error of [`mean`](Self::mean); `None` while a pixel has not two samples, one of each replicate.
+    pub fn standard_error_of_mean(&self) -> Option<[f64; 3]> {
+        if self.sampler.is_independent() {
+            return self.independent_standard_error_of_mean();
+        }
+        let side = match self.sampler {
+            Sampler::BlueNoise => BLUE_NOISE_TILE,
+            _ => 1,
+        };
+        let sums = tile_sums(&self.half_differences()?, self.size, side);
+        let squares = sums.into_iter().map(|s| s.map(|s| s * s));
+        let sum = squares.fold([0.0; 3], add);
+        Some(sum.map(|s| s.sqrt() / self.pixels.len() as f64))
+    }
+
+    /// Standard error of [`mean`](Self::mean) if each sample had been drawn by itself: too large with samplers that
+    /// stratify. `None` while a pixel has fewer than two samples.
+    pub fn independent_standard_error_of_mean(&self) -> Option<[f64; 3]> {
+        let variances: Option<Vec<_>> = self.pixels.iter().map(|p| p.variance_of_mean()).collect();
+        let sum = variances?.into_iter().fold([0.0; 3], add);
+        Some(sum.map(|s| s.sqrt() / self.pixels.len() as f64))
+    }
+}
+
+fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// Sums over tiles of `side` × `side` pixels.
+fn tile_sums(values: &[[f64; 3]], size: FilmSize, side: u32) -> Vec<[f64; 3]> {
+    let (width, side) = (size.width as usize, side as usize);
+    let per_row = width.div_ceil(side);
+    let mut sums = vec![[0.0; 3]; per_row * (size.height as usize).div_ceil(side)];
+    for (i, value) in values.iter().enumerate() {
+        let sum = &mut sums[i / width / side * per_row + i % width / side];
+        *sum = add(*sum, *value);
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,165 @@
+//! Rendering until the image is right enough.
+
+use super::error::CONFIDENCE;
+use super::film::Film;
+use super::session::Session;
+use crate::error::GpuError;
+
+/// Samples per pixel at which the error is looked at for the first time.
+const FIRST_LOOK: u64 = 16;
+/// Samples per pixel after which an image without any light counts as black: it has no relative error to reach.
+const BLACK: u64 = 1024;
+
+/// A relative error and how sure it has to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorGoal {
+    /// √relMSE of the image.
+    pub relative: f64,
+    /// Confidence of the interval whose upper end has to be below it.
+    pub confidence: f64,
+}
+
+impl ErrorGoal {
+    /// With the usual confidence.
+    pub fn new(relative: f64) -> Self {
+        Self {
+            relative,
+            confidence: CONFIDENCE,
+        }
+    }
+}
+
+/// What a look at the image found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// The goal is reached.
+    Reached,
+    /// It is not.
+    NotYet,
+    /// There is no light in the image.
+    Black,
+}
+
+/// Looks at an image's error in growing intervals.
+///
+/// A look costs time, and every look is another chance to stop because the error happens to be told too small. So the next
+/// one is where the goal should be reached if the squared error falls with the inverse of the samples, an eighth more
+/// samples away at least and twice as many at most.
+#[derive(Debug, Clone, Copy)]
+pub struct Watch {
+    goal: ErrorGoal,
+    next: u64,
+}
+
+impl Watch {
+    /// A watch for `goal`.
+    pub fn new(goal: ErrorGoal) -> Self {
+        Self {
+            goal,
+            next: FIRST_LOOK,
+        }
+    }
+
+    /// Samples per pixel at which the image is to be looked at next.
+    pub fn next(&self) -> u64 {
+        self.next
+    }
+
+    /// Looks at the image of `session` if it has the samples for it.
+    ///
+    /// # Errors
+    /// The driver fails.
+    pub fn look(&mut self, session: &Session<'_>) -> Result<Look, GpuError> {
+        let samples = session.samples();
+        if samples < self.next {
+            return Ok(Look::NotYet);
+        }
+        Ok(self.judge(&session.snapshot()?.0, samples))
+    }
+
+    fn judge(&mut self, film: &Film, samples: u64) -> Look {
+        let goal = self.goal.relative * self.goal.relative;
+        let Some(error) = film.error_at(self.goal.confidence) else {
+            self.next = 2 * samples;
+            return if samples < BLACK {
+                Look::NotYet
+            } else {
+                Look::Black
+            };
+        };
+        if error.rel_mse_high <= goal {
+            return Look::Reached;
+        }
+        let due = samples as f64 * (error.rel_mse_high / goal);
+        let (least, most) = (samples + samples.div_ceil(8), 2 * samples);
+        // Both replicates have the same number of samples where it is even.
+        self.next = (due.min(most as f64) as u64)
+            .clamp(least, most)
+            .next_multiple_of(2);
+        Look::NotYet
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::film::Pixel;
+    use crate::scene::{FilmSize, Sampler};
+
+    /// A film of 64 × 64 pixels with relMSE 1e-4, as its replicates tell it.
+    fn film(brightness: f64) -> Film {
+        let size = FilmSize {
+            width: 64,
+            height: 64,
+        };
+        let mut film = Film::new(size, Sampler::Sobol);
+        // Of relMSE = 0.01²·1.01, since 1 % of the mean's square is in its denominator.
+        let half = 0.01 * 1.01_f64.sqrt() * brightness;
+        for (i, pixel) in film.pixels.iter_mut().enumerate() {
+            let sign = if i % 2 == 0 { 1.0 } else { -1.0 };
+            *pixel = Pixel {
+                samples: 64,
+                mean: [brightness; 3],
+                m2: [64.0 * 63.0 * half * half; 3],
+                second_samples: 32,
+                second_mean: [brightness + sign * half; 3],
+            };
+        }
+        film
+    }
+
+    #[test]
+    fn the_goal_is_reached_when_the_interval_is_below_it() {
+        // The interval's upper end is 1.96·√(4/3)/64 = 3.5 % above the estimate, that of √relMSE half as much.
+        for (relative, reached) in [(0.0101, false), (0.0103, true)] {
+            let mut watch = Watch::new(ErrorGoal::new(relative));
+            let look = watch.judge(&film(1.0), 64);
+            assert_eq!(look == Look::Reached, reached, "{relative}: {look:?}");
+        }
+        let surer = ErrorGoal {
+            relative: 0.0103,
+            confidence: 0.9999,
+        };
+        assert_eq!(Watch::new(surer).judge(&film(1.0), 64), Look::NotYet);
+    }
+
+    #[test]
+    fn the_next_look_is_where_the_goal_should_be_reached() {
+        let next = |relative: f64| {
+            let mut watch = Watch::new(ErrorGoal::new(relative));
+            watch.judge(&film(1.0), 64);
+            watch.next()
+        };
+        assert_eq!(next(0.0101), 72, "an eighth more at least");
+        assert_eq!(next(0.001), 128, "twice as many at most");
+        let due = next(0.0085);
+        assert!((92..=96).contains(&due), "{due}");
+    }
+
+    #[test]
+    fn black_is_noticed() {
+        let mut watch = Watch::new(ErrorGoal::new(0.01));
+        assert_eq!(watch.judge(&film(0.0), 512), Look::NotYet);
+        assert_eq!(watch.judge(&film(0.0), 1024), Look::Black);
+    }
+}

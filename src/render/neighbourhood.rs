@@ -1,0 +1,61 @@
+//! Means over the pixels around each pixel.
+
+use crate::scene::FilmSize;
+use rayon::prelude::*;
+
+/// Per pixel and channel the mean over the square of pixels at most `radius` away, as far as it lies in the image.
+pub fn box_mean(values: &[[f64; 3]], size: FilmSize, radius: usize) -> Vec<[f64; 3]> {
+    let (width, height) = (size.width as usize, size.height as usize);
+    let mut rows = vec![[0.0; 3]; values.len()];
+    rows.par_chunks_mut(width)
+        .zip(values.par_chunks(width))
+        .for_each(|(out, row)| {
+            for (x, out) in out.iter_mut().enumerate() {
+                *out = mean(&row[x.saturating_sub(radius)..(x + radius + 1).min(width)]);
+            }
+        });
+    let mut means = vec![[0.0; 3]; values.len()];
+    means
+        .par_chunks_mut(width)
+        .enumerate()
+        .for_each(|(y, out)| {
+            let around = y.saturating_sub(radius)..(y + radius + 1).min(height);
+            let part = 1.0 / around.len() as f64;
+            for y in around {
+                for (out, value) in out.iter_mut().zip(&rows[y * width..]) {
+                    for c in 0..3 {
+                        out[c] += value[c] * part;
+                    }
+                }
+            }
+        });
+    means
+}
+
+fn mean(values: &[[f64; 3]]) -> [f64; 3] {
+    let sum = values.iter().fold([0.0; 3], |sum, v| {
+        [sum[0] + v[0], sum[1] + v[1], sum[2] + v[2]]
+    });
+    sum.map(|s| s / values.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_take_what_lies_in_the_image() {
+        let size = FilmSize {
+            width: 4,
+            height: 3,
+        };
+        let values: Vec<[f64; 3]> = (0..12).map(|i| [f64::from(i), 1.0, 0.0]).collect();
+        let means = box_mean(&values, size, 1);
+        // Around (0, 0): 0, 1, 4, 5; around (2, 1): 1 to 3, 5 to 7, 9 to 11.
+        assert!((means[0][0] - 2.5).abs() < 1e-12);
+        assert!((means[6][0] - 6.0).abs() < 1e-12);
+        assert!(means.iter().all(|m| (m[1] - 1.0).abs() < 1e-12));
+        let all = box_mean(&values, size, 9);
+        assert!(all.iter().all(|m| (m[0] - 5.5).abs() < 1e-12));
+    }
+}
