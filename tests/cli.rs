@@ -315,6 +315,46 @@ fn time_limits_a_render() {
 }
 
 #[test]
+fn an_error_ends_a_render() {
+    let folder = tempfile::tempdir().unwrap();
+    let [exr, json] = ["a.exr", "a.json"].map(|n| folder.path().join(n));
+    let mut arguments = vec!["render", "scenes/cornell.toml", "--size", "48x48"];
+    arguments.extend([
+        "--sampler",
+        "sobol",
+        "--error",
+        "0.08",
+        "--json",
+        text(&json),
+    ]);
+    let (code, _, stderr) = run(&[&arguments[..], &["-o", text(&exr)]].concat());
+    assert_eq!(code, 0, "{stderr}");
+    let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+    assert_eq!(report["stopped_by"], "error");
+    let error = &report["error"];
+    assert!(
+        error["rel_mse_high"].as_f64().unwrap() <= 0.08 * 0.08,
+        "{error}"
+    );
+    assert_eq!(error["confidence"], 0.95);
+    for wrong in [["--error", "0"], ["--error", "nan"], ["--confidence", "1"]] {
+        let (code, _, stderr) = run(&[
+            "render",
+            "scenes/cornell.toml",
+            "-o",
+            text(&exr),
+            wrong[0],
+            wrong[1],
+        ]);
+        assert_eq!(code, 2);
+        assert!(
+            stderr.contains(&format!("{} {}", wrong[0], wrong[1].replace("nan", "NaN"))),
+            "{stderr}"
+        );
+    }
+}
+
+#[test]
 fn explain_tells_effects_with_reasons() {
     let (code, stdout, stderr) = run(&["explain", "scenes/cornell.toml"]);
     assert_eq!(code, 0, "{stderr}");

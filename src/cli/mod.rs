@@ -8,6 +8,7 @@ mod doctor;
 mod explain;
 mod lab;
 mod outputs;
+mod passes;
 mod progress;
 mod render;
 mod settings;

@@ -2,19 +2,18 @@
 
 use super::check::{CheckArgument, print_verdict};
 use super::outputs::OutputArguments;
-use super::progress::Progress;
+use super::passes::{Progressed, StoppedBy, take_passes};
 use super::settings::{EstimatorArguments, SceneArguments};
 use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
-use crate::render::goal::{ErrorGoal, Look, Watch};
-use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, StopReason};
+use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session};
 use crate::scene::{LightSelection, Sampler, Scene, Strategy};
 use serde::Serialize;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Arguments of `direkt render`.
 #[derive(Debug, clap::Args)]
@@ -172,76 +171,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     finish(arguments, &report, quiet)
 }
 
-/// What ended a render.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum StoppedBy {
-    /// It has the samples that were asked for.
-    Samples,
-    /// The time was over.
-    Time,
-    /// Its error is small enough.
-    Error,
-    /// No error can become small enough: no sample found any light.
-    Black,
-    /// The user.
-    Interrupt,
-}
-
-/// How the passes went.
-struct Progressed {
-    passes: u64,
-    seconds: f64,
-    stopped_by: StoppedBy,
-}
-
-/// Takes passes until the samples, the time or the user's patience run out, or the image is right enough.
-fn take_passes(session: &mut Session<'_>, scene: &Scene, quiet: bool) -> Result<Progressed, Error> {
-    let settings = scene.render;
-    let interrupted = stop_on_interrupt();
-    let time = settings.time.map(Duration::from_secs_f64);
-    let mut progress = Progress::new(settings.spp, time, quiet);
-    let start = Instant::now();
-    let goal = settings.error.map(|relative| ErrorGoal {
-        relative,
-        confidence: settings.confidence,
-    });
-    let mut watch = goal.map(Watch::new);
-    let mut passes = 0;
-    let mut stopped_by = StoppedBy::Samples;
-    while session.samples() < settings.spp {
-        let until = watch.map_or(settings.spp, |w| settings.spp.min(w.next()));
-        let samples = session.pass_samples(until - session.samples());
-        // The first pass is finished whatever the time, so that there is an image.
-        let first = session.samples() == 0;
-        let out_of_time = || !first && time.is_some_and(|t| start.elapsed() >= t);
-        let stop = || interrupted.load(Ordering::Relaxed) || out_of_time();
-        if session.pass(samples, stop)? == StopReason::Interrupted {
-            stopped_by = if interrupted.load(Ordering::Relaxed) {
-                StoppedBy::Interrupt
-            } else {
-                StoppedBy::Time
-            };
-            break;
-        }
-        passes += 1;
-        progress.update(session, passes, scene.film.pixels())?;
-        let look = watch.as_mut().map(|w| w.look(session)).transpose()?;
-        stopped_by = match look {
-            Some(Look::Reached) => StoppedBy::Error,
-            Some(Look::Black) => StoppedBy::Black,
-            Some(Look::NotYet) | None => continue,
-        };
-        break;
-    }
-    progress.finish();
-    Ok(Progressed {
-        passes,
-        seconds: start.elapsed().as_secs_f64(),
-        stopped_by,
-    })
-}
-
 fn report(
     prepared: &Prepared,
     context: &Context,
@@ -283,6 +212,9 @@ fn finish(arguments: &Arguments, report: &Report, quiet: bool) -> Result<ExitCod
     if !quiet {
         eprintln!("{}", summary(arguments, report));
     }
+    if report.stopped_by == StoppedBy::Black {
+        eprintln!("direkt: warning: no sample found any light, so that no --error can be reached");
+    }
     if report.non_finite.dropped > 0 {
         eprintln!("direkt: warning: {}", ledger_sentence(&report.non_finite));
     }
@@ -307,7 +239,7 @@ fn effect_reports(prepared: &Prepared) -> Vec<EffectReport> {
 }
 
 /// Sets a flag at Ctrl-C; a second Ctrl-C ends the process at once.
-fn stop_on_interrupt() -> Arc<AtomicBool> {
+pub fn stop_on_interrupt() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
     let seen = Arc::clone(&flag);
     // A handler that cannot be installed leaves the default: Ctrl-C ends the process.
@@ -345,8 +277,11 @@ fn summary(arguments: &Arguments, report: &Report) -> String {
         || "error unknown".to_owned(),
         |e| {
             format!(
-                "relMSE {:.3e} [{:.3e}, {:.3e}]",
-                e.rel_mse, e.rel_mse_low, e.rel_mse_high
+                "relMSE {:.3e} [{:.3e}, {:.3e}], √relMSE {:.2} %",
+                e.rel_mse,
+                e.rel_mse_low,
+                e.rel_mse_high,
+                100.0 * e.rel_mse.sqrt()
             )
         },
     );

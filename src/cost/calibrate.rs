@@ -279,3 +279,67 @@ fn fraction(hits: impl Iterator<Item = bool>) -> Estimate {
         standard_error: (value * (1.0 - value) / n).sqrt(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::testing::Stream;
+
+    /// Images of a ramp with normal errors of 10 %.
+    fn images(count: usize) -> Vec<Image> {
+        let mut stream = Stream::new(9);
+        let reported = ImageError {
+            rel_mse: 0.01,
+            rel_mse_low: 0.0,
+            rel_mse_high: 1.0,
+            confidence: 0.95,
+        };
+        let mut pixel = |i: usize| [0; 3].map(|_| (ramp(i) * (1.0 + 0.1 * stream.normal())) as f32);
+        (0..count)
+            .map(|_| Image {
+                mean: (0..1000).map(&mut pixel).collect(),
+                reported,
+            })
+            .collect()
+    }
+
+    fn ramp(i: usize) -> f64 {
+        0.5 + i as f64 / 1000.0
+    }
+
+    #[test]
+    fn the_mean_of_all_images_stands_for_the_truth() {
+        let all = images(12);
+        let (of_truth, other) = all.split_at(8);
+        let truth = Truth::new(of_truth);
+        // relMSE = 0.01 · mean of r²/(r² + 0.01·mean(r)²); 3000 squares of normal numbers, eight images: 1 % is two sigma.
+        let due = (0..1000).map(|i| ramp(i).powi(2) / (ramp(i).powi(2) + 0.01));
+        let due = 0.01 * due.sum::<f64>() / 1000.0;
+        let of = |error: &dyn Fn(&[[f32; 3]]) -> f64, images: &[Image]| {
+            let sum: f64 = images.iter().map(|i| error(&i.mean)).sum();
+            sum / images.len() as f64 / due
+        };
+        let members = of(&|i| truth.of_member(i), of_truth);
+        assert!((members - 1.0).abs() < 0.05, "{members}");
+        let others = of(&|i| truth.of_other(i), other);
+        assert!((others - 1.0).abs() < 0.05, "{others}");
+        let unscaled = of(&|i| truth.against(i), of_truth);
+        assert!(
+            unscaled < 0.92,
+            "an eighth of its own error is in the mean: {unscaled}"
+        );
+    }
+
+    #[test]
+    fn ratios_and_fractions_know_their_errors() {
+        let exact = ratio(&[1.0, 2.0, 3.0], &[2.0, 4.0, 6.0]);
+        assert!((exact.value - 0.5).abs() < 1e-12 && exact.standard_error < 1e-12);
+        let scattered = ratio(&[1.0, 3.0], &[2.0, 2.0]);
+        assert!((scattered.value - 1.0).abs() < 1e-12);
+        // Residuals −1 and 1: √(2·2/1)/4.
+        assert!((scattered.standard_error - 0.5).abs() < 1e-12);
+        let three_of_four = fraction([true, true, false, true].into_iter());
+        assert!((three_of_four.value - 0.75).abs() < 1e-12);
+        assert!((three_of_four.standard_error - (0.1875_f64 / 4.0).sqrt()).abs() < 1e-12);
+    }
+}

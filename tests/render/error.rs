@@ -1,0 +1,79 @@
+//! Images know their own error: with every sampler, on the GPU.
+
+use crate::support::{context, scene};
+use direkt::cost::calibrate::{Calibration, Settings, calibrate};
+use direkt::cost::estimator::combinations;
+use direkt::render::{Prepared, Session};
+use direkt::scene::{FilmSize, LightSelection, Sampler, Scene, Strategy};
+
+const IMAGES: u32 = 60;
+
+fn cornell() -> Scene {
+    let mut cornell = scene("scenes/cornell.toml");
+    cornell.film = FilmSize {
+        width: 48,
+        height: 48,
+    };
+    cornell
+}
+
+fn calibrated(scene: &Scene) -> Vec<Calibration> {
+    let samplers = [
+        Sampler::Independent,
+        Sampler::Stratified,
+        Sampler::Sobol,
+        Sampler::BlueNoise,
+    ];
+    let settings = Settings {
+        estimators: combinations(&[Strategy::MisPower], &[LightSelection::Power], &samplers),
+        images: IMAGES,
+        samples: 32,
+        seed: 40,
+    };
+    calibrate(&context(), scene, &settings, &mut |_, _| {}).unwrap()
+}
+
+/// Reported errors are within 10 % of actual ones, intervals hold what they say, and images that stop by themselves are as
+/// right as they were told to be. The bounds leave four standard errors of so few images.
+#[test]
+fn reported_errors_are_the_actual_ones() {
+    for c in calibrated(&cornell()) {
+        let off = |value: f64, due: f64| (value - due).abs();
+        assert!(
+            off(c.ratio.value, 1.0) < 0.1 + 4.0 * c.ratio.standard_error,
+            "{c:#?}"
+        );
+        let of_95 = (0.95_f64 * 0.05 / f64::from(IMAGES)).sqrt();
+        assert!(c.coverage.value > 0.93 - 4.0 * of_95, "{c:#?}");
+        let stopped = &c.stopped;
+        assert!(
+            off(stopped.ratio.value, 1.0) < 0.1 + 4.0 * stopped.ratio.standard_error,
+            "{c:#?}"
+        );
+        assert!(stopped.below_target.value > 0.93 - 4.0 * of_95, "{c:#?}");
+        for bias in stopped.bias_of_mean {
+            assert!(off(bias.value, 0.0) < 4.5 * bias.standard_error, "{c:#?}");
+        }
+    }
+}
+
+/// Broken: the scatter of the samples, which takes Sobol points for independent ones.
+#[test]
+fn the_scatter_of_sobol_points_is_not_their_error() {
+    let mut scene = cornell();
+    scene.render.sampler = Sampler::Sobol;
+    let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Power);
+    let context = context();
+    let mut session = Session::new(&context, &prepared, prepared.scene.film, 41).unwrap();
+    session.pass(64, || false).unwrap();
+    let film = session.snapshot().unwrap().0;
+    let sum = |variances: &mut dyn Iterator<Item = [f64; 3]>| variances.map(|v| v[1]).sum::<f64>();
+    let scatter = sum(&mut film.pixels.iter().map(|p| p.variance_of_mean().unwrap()));
+    let told = sum(&mut film.variances().unwrap().into_iter());
+    assert!(scatter > 2.0 * told, "{scatter} {told}");
+    let (of_scatter, of_replicates) = (
+        film.independent_standard_error_of_mean().unwrap()[1],
+        film.standard_error_of_mean().unwrap()[1],
+    );
+    assert!(of_scatter > 1.4 * of_replicates);
+}
