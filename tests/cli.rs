@@ -251,6 +251,17 @@ impl Drop for Child {
     }
 }
 
+/// Sends Ctrl-C.
+#[cfg(unix)]
+fn interrupt(child: &Child) {
+    let command = format!("kill -INT {}", child.0.id());
+    let sent = std::process::Command::new("sh")
+        .args(["-c", &command])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+}
+
 /// Ctrl-C writes what there is.
 #[cfg(unix)]
 #[test]
@@ -279,12 +290,7 @@ fn an_interrupt_writes_the_image_so_far() {
     assert!(first.starts_with("rendering"), "{first}");
     // The driver compiles at the first dispatch.
     std::thread::sleep(std::time::Duration::from_secs(5));
-    let interrupt = format!("kill -INT {}", child.0.id());
-    let sent = std::process::Command::new("sh")
-        .args(["-c", &interrupt])
-        .status()
-        .unwrap();
-    assert!(sent.success());
+    interrupt(&child);
     assert!(child.0.wait().unwrap().success());
     assert!(image::open(&png).is_ok());
     let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();

@@ -1,7 +1,7 @@
 //! `direkt compare`: the GPU estimator held against the reference.
 
 use super::outputs::check_image_path;
-use super::settings::{EstimatorArguments, SceneArguments};
+use super::settings::{EstimatorArguments, SceneArguments, warn};
 use super::{AdapterArgument, JsonArgument, print};
 use crate::compare::{
     CompareError, Comparison, Settings, compare, default_film, minimum_samples, per_sample,
@@ -120,8 +120,8 @@ fn prepare(arguments: &Arguments) -> Result<(Prepared, Settings), Error> {
     }
     let mut scene = arguments.scene.load()?;
     arguments.estimator.apply(&mut scene)?;
-    arguments.scene.warn(&scene);
-    let size = arguments.estimator.size;
+    warn(&scene);
+    let size = arguments.estimator.image.size;
     let settings = Settings {
         film: size.unwrap_or_else(|| default_film(scene.film)),
         samples: arguments.spp,

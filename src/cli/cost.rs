@@ -1,13 +1,14 @@
 //! `direkt cost`: what accuracy costs in time, for every estimator.
 
-use super::settings::SceneListArguments;
+use super::interrupt::Interrupt;
+use super::settings::{ImageArguments, SceneListArguments};
 use super::{AdapterArgument, JsonArgument, print};
 use crate::cost::{SceneCost, Settings, estimator, measure};
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::report::format::{number, seconds, short};
 use crate::report::{self, csv, machine::Machine};
-use crate::scene::{FilmSize, LightSelection, Sampler, Scene, Strategy, validate};
+use crate::scene::{LightSelection, Sampler, Scene, Strategy};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
@@ -46,12 +47,8 @@ pub struct Arguments {
     /// Image to compare with, an EXR of the same size; otherwise the scene's exact values or a long run of direkt's own
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
-    /// Size of the images
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = super::settings::parse_size)]
-    size: Option<FilmSize>,
-    /// Seed that all seeds are derived from
-    #[arg(long)]
-    seed: Option<u32>,
+    #[command(flatten)]
+    image: ImageArguments,
     /// Write every measured point as a line of CSV to this file
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -68,6 +65,9 @@ pub struct Arguments {
 #[derive(Debug, Serialize)]
 struct Report<'a> {
     machine: &'a Machine,
+    interrupted: bool,
+    /// Scenes of which there is no result because it was.
+    not_measured: &'a [String],
     scenes: &'a [SceneCost],
 }
 
@@ -76,37 +76,74 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.check()?;
     let mut scenes = arguments.scenes.load()?;
     for scene in &mut scenes {
-        arguments.apply(scene)?;
+        arguments.image.apply(scene)?;
     }
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
     let machine = Machine::this(&context.adapter);
     let quiet = arguments.quiet || arguments.json.is_stdout();
-    let mut costs = Vec::new();
+    let interrupt = Interrupt::listen();
+    let (mut costs, mut not_measured) = (Vec::new(), Vec::new());
     for scene in &scenes {
-        let settings = arguments.settings(scene);
-        let progress = Bar::new(settings.budget, quiet);
-        let source = scene.source.display();
-        let mut show = |what: &str, spent: f64| progress.show(&format!("{source}: {what}"), spent);
-        let cost = measure(&context, scene, &settings, &mut show)?;
-        progress.finish();
-        if !quiet {
-            print(&summary(&cost))?;
+        match measure_scene(
+            &context,
+            scene,
+            &arguments.settings(scene),
+            &interrupt,
+            quiet,
+        )? {
+            Some(cost) => costs.push(cost),
+            None => not_measured.push(scene.source.display().to_string()),
         }
-        costs.push(cost);
     }
-    report::write(&arguments.output, &costs, &machine)?;
+    let interrupted = !not_measured.is_empty() || costs.iter().any(|c| c.interrupted);
+    if costs.is_empty() {
+        eprintln!("direkt: interrupted before there was enough for a result, nothing was written");
+        return Ok(ExitCode::FAILURE);
+    }
+    report::write(&arguments.output, &costs, &not_measured, &machine)?;
     if let Some(path) = &arguments.csv {
         crate::image::write_atomically(path, csv::table(&costs).as_bytes())?;
     }
     arguments.json.write(&Report {
         machine: &machine,
+        interrupted,
+        not_measured: &not_measured,
         scenes: &costs,
     })?;
     if !quiet {
+        if interrupted {
+            eprintln!("direkt: interrupted, the report shows what was measured until then");
+        }
         let page = arguments.output.join("report.html");
         print(&format!("{}\n", page.display()))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The cost on `scene`; `None` where Ctrl-C came before there was enough for a result.
+fn measure_scene(
+    context: &Context,
+    scene: &Scene,
+    settings: &Settings,
+    interrupt: &Interrupt,
+    quiet: bool,
+) -> Result<Option<SceneCost>, Error> {
+    if interrupt.came() {
+        return Ok(None);
+    }
+    let source = scene.source.display();
+    if !quiet {
+        let (name, driver) = (&context.adapter.name, &context.adapter.driver);
+        eprintln!("measuring {source} on {name} ({driver})");
+    }
+    let progress = Bar::new(settings.budget, quiet);
+    let mut show = |what: &str, spent: f64| progress.show(&format!("{source}: {what}"), spent);
+    let cost = measure(context, scene, settings, &mut show, &|| interrupt.came())?;
+    progress.finish();
+    if let Some(cost) = cost.as_ref().filter(|_| !quiet) {
+        print(&summary(cost))?;
+    }
+    Ok(cost)
 }
 
 impl Arguments {
@@ -130,16 +167,6 @@ impl Arguments {
             ));
         }
         Ok(())
-    }
-
-    fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
-        scene.render.seed = self.seed.unwrap_or(scene.render.seed);
-        if let Some(size) = self.size.filter(|&size| size != scene.film) {
-            scene.film = size;
-            // What it says holds for the film of the file.
-            scene.expect = None;
-        }
-        validate::validate(scene)
     }
 
     fn settings(&self, scene: &Scene) -> Settings {

@@ -1,11 +1,12 @@
 //! `direkt explain`: which effects a scene calls for, and why.
 
+use super::settings::AssetArguments;
 use super::{JsonArgument, print};
 use crate::effects::Effect;
 use crate::error::Error;
 use crate::gpu::shader::{self, Config};
 use crate::render::Prepared;
-use crate::scene::load::{LoadOptions, load, schema};
+use crate::scene::load::schema;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -23,9 +24,8 @@ pub struct Arguments {
     /// Print the linked WGSL of the scene's kernel instead
     #[arg(long)]
     wgsl: bool,
-    /// Further folder in which files that the scene names are looked up; may be repeated
-    #[arg(long, value_name = "DIR")]
-    assets: Vec<PathBuf>,
+    #[command(flatten)]
+    assets: AssetArguments,
     #[command(flatten)]
     json: JsonArgument,
 }
@@ -55,10 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&schema())?;
         return Ok(ExitCode::SUCCESS);
     };
-    let options = LoadOptions {
-        assets: arguments.assets.clone(),
-    };
-    let scene = load(path, &options)?;
+    let scene = arguments.assets.load(path)?;
     let settings = scene.render;
     let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
     let config = Config {

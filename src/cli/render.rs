@@ -1,9 +1,10 @@
 //! `direkt render`: a scene file in, images out.
 
 use super::check::{CheckArgument, print_verdict};
+use super::interrupt::Interrupt;
 use super::outputs::OutputArguments;
 use super::progress::Progress;
-use super::settings::{EstimatorArguments, SceneArguments};
+use super::settings::{EstimatorArguments, SceneArguments, warn};
 use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
@@ -11,8 +12,6 @@ use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Sessio
 use crate::scene::{LightSelection, Sampler, Scene, Strategy};
 use serde::Serialize;
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Arguments of `direkt render`.
@@ -122,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.settings.apply(&mut scene)?;
     arguments.check.before(&scene)?;
     let load_seconds = start.elapsed().as_secs_f64();
-    arguments.scene.warn(&scene);
+    warn(&scene);
     let settings = scene.render;
     let film_size = scene.film;
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
@@ -164,7 +163,7 @@ struct Progressed {
 /// Takes passes until the samples, the time or the user's patience run out.
 fn take_passes(session: &mut Session<'_>, scene: &Scene, quiet: bool) -> Result<Progressed, Error> {
     let settings = scene.render;
-    let interrupted = stop_on_interrupt();
+    let interrupt = Interrupt::listen();
     let time = settings.time.map(Duration::from_secs_f64);
     let mut progress = Progress::new(settings.spp, time, quiet);
     let start = Instant::now();
@@ -174,7 +173,7 @@ fn take_passes(session: &mut Session<'_>, scene: &Scene, quiet: bool) -> Result<
         // The first pass is finished whatever the time, so that there is an image.
         let first = session.samples() == 0;
         let out_of_time = || !first && time.is_some_and(|t| start.elapsed() >= t);
-        let stop = || interrupted.load(Ordering::Relaxed) || out_of_time();
+        let stop = || interrupt.came() || out_of_time();
         if session.pass(samples, stop)? == StopReason::Interrupted {
             break;
         }
@@ -185,7 +184,7 @@ fn take_passes(session: &mut Session<'_>, scene: &Scene, quiet: bool) -> Result<
     Ok(Progressed {
         passes,
         seconds: start.elapsed().as_secs_f64(),
-        interrupted: interrupted.load(Ordering::Relaxed),
+        interrupted: interrupt.came(),
     })
 }
 
@@ -251,19 +250,6 @@ fn effect_reports(prepared: &Prepared) -> Vec<EffectReport> {
             reason: reason.to_owned(),
         });
     effects.collect()
-}
-
-/// Sets a flag at Ctrl-C; a second Ctrl-C ends the process at once.
-fn stop_on_interrupt() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let seen = Arc::clone(&flag);
-    // A handler that cannot be installed leaves the default: Ctrl-C ends the process.
-    let _ = ctrlc::set_handler(move || {
-        if seen.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
-    flag
 }
 
 /// The EXR's attributes.

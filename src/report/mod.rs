@@ -25,11 +25,16 @@ use crate::image::write_atomically;
 use machine::Machine;
 use std::path::Path;
 
-/// Writes the page and the plots into `folder`, which is made if need be.
+/// Writes the page and the plots into `folder`, which is made if need be. Scenes of `not_measured` are named as such.
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write(folder: &Path, costs: &[SceneCost], machine: &Machine) -> Result<(), Error> {
+pub fn write(
+    folder: &Path,
+    costs: &[SceneCost],
+    not_measured: &[String],
+    machine: &Machine,
+) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|source| Error::Write {
         path: folder.to_path_buf(),
         source,
@@ -41,7 +46,7 @@ pub fn write(folder: &Path, costs: &[SceneCost], machine: &Machine) -> Result<()
             write_atomically(&path("png"), &raster::png(&figure.svg)?)?;
         }
     }
-    let page = page::html(costs, machine)?;
+    let page = page::html(costs, not_measured, machine)?;
     write_atomically(&folder.join("report.html"), page.as_bytes())
 }
 
