@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod cost;
+mod explain;
 mod lab;
 
 use assert_cmd::Command;
@@ -318,37 +319,6 @@ fn time_limits_a_render() {
     let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
     assert!(report["seconds"]["render"].as_f64().unwrap() >= 1.5);
     assert_eq!(report["interrupted"], false);
-}
-
-#[test]
-fn explain_tells_effects_with_reasons() {
-    let (code, stdout, stderr) = run(&["explain", "scenes/cornell.toml"]);
-    assert_eq!(code, 0, "{stderr}");
-    for part in ["rectangles", "area-lights", "left out:", "spheres"] {
-        assert!(stdout.contains(part), "{part} is missing:\n{stdout}");
-    }
-    let (code, stdout, _) = run(&["explain", "scenes/cornell.toml", "--wgsl"]);
-    assert_eq!(code, 0);
-    assert!(naga::front::wgsl::parse_str(&stdout).is_ok());
-}
-
-#[test]
-fn the_schema_is_json_and_knows_the_tables() {
-    let (code, stdout, _) = run(&["explain", "--schema"]);
-    assert_eq!(code, 0);
-    let schema: Value = serde_json::from_str(&stdout).unwrap();
-    for table in [
-        "camera",
-        "film",
-        "materials",
-        "shapes",
-        "lights",
-        "environment",
-        "render",
-        "expect",
-    ] {
-        assert!(schema["properties"][table].is_object(), "{table}");
-    }
 }
 
 #[test]

@@ -107,6 +107,9 @@ pub struct EstimatorArguments {
     /// How a point of a chosen light is chosen by the MIS strategies
     #[arg(long, value_enum)]
     light_sampling: Option<LightSampling>,
+    /// Whether the MIS strategies sample of an environment map only what is brighter than its mean
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    mis_compensation: Option<bool>,
     /// How random numbers are made
     #[arg(long, value_enum)]
     sampler: Option<Sampler>,
@@ -119,6 +122,7 @@ impl EstimatorArguments {
         render.strategy = self.strategy.unwrap_or(render.strategy);
         render.light_selection = self.light_selection.unwrap_or(render.light_selection);
         render.light_sampling = self.light_sampling.unwrap_or(render.light_sampling);
+        render.mis_compensation = self.mis_compensation.unwrap_or(render.mis_compensation);
         render.sampler = self.sampler.unwrap_or(render.sampler);
         self.image.apply(scene)
     }
