@@ -4,14 +4,16 @@ use super::figures::{self, ranked};
 use super::format::{escape, grouped, number, range, seconds, short};
 use super::machine::Machine;
 use super::picture::{HEAT, heat, heat_map, radiance};
-use super::svg::adaptive_css;
 use super::tables::{equal_error, not_applicable, ranking, reached, vague};
 use crate::cost::reference::Source;
 use crate::cost::{EqualTime, EstimatorCost, Interval, SceneCost};
+use super::svg::adaptive_css;
 use crate::error::Error;
 use crate::scene::FilmSize;
 
 const STYLE: &str = include_str!("style.css");
+/// Pixels per row that an image is shown with on a wide screen.
+const SHOWN_WIDTH: u32 = 304;
 
 /// The page for all scenes; those of `not_measured` are named.
 pub fn html(
@@ -176,16 +178,25 @@ fn size(cost: &SceneCost) -> FilmSize {
     }
 }
 
+/// Class of images that are shown enlarged.
+fn pixels(cost: &SceneCost) -> &'static str {
+    if cost.width < SHOWN_WIDTH {
+        " class=\"pixels\""
+    } else {
+        ""
+    }
+}
+
 /// What a lecture's slide says below an image.
 fn stamp(cost: &SceneCost, e: &EqualTime) -> String {
     let passes = if e.passes == 1 { "pass" } else { "passes" };
-    format!(
-        "{}   {} {passes}\n{} primitives\n{:.1} M rays/s",
+    let facts = [
         seconds(e.seconds),
-        grouped(e.passes as f64),
-        grouped(cost.primitives as f64),
-        e.rays_per_second / 1e6
-    )
+        format!("{} {passes}", grouped(e.passes as f64)),
+        format!("{} primitives", grouped(cost.primitives as f64)),
+        format!("{:.1} M rays/s", e.rays_per_second / 1e6),
+    ];
+    facts.map(|f| f.replace(' ', "\u{a0}")).join(" · ")
 }
 
 /// Estimators that have an image at equal time, with it, best first.
@@ -215,16 +226,18 @@ fn images(cost: &SceneCost) -> Result<String, Error> {
         let image = radiance(size(cost), e.film.pixels.iter().map(|p| p.mean))?;
         let spp = grouped(e.samples as f64);
         out.push_str(&format!(
-            "<figure><div class=\"stamp\"><img alt=\"{name}\" src=\"{image}\"><span>{}</span></div>\
-             <figcaption><b>{name}</b>{spp} samples per pixel · relMSE {}</figcaption></figure>\n",
-            escape(&stamp(cost, e)),
+            "<figure><img{pixels} alt=\"{name}\" src=\"{image}\">\
+             <figcaption><b>{name}</b>relMSE {} · {spp} samples per pixel<br>{}</figcaption></figure>\n",
             number(e.rel_mse),
+            escape(&stamp(cost, e)),
             name = escape(&estimator.name),
+            pixels = pixels(cost),
         ));
     }
     let image = radiance(size(cost), cost.reference_image.iter().copied())?;
     out.push_str(&format!(
-        "<figure><img alt=\"reference\" src=\"{image}\"><figcaption><b>reference</b></figcaption></figure>\n"
+        "<figure><img{pixels} alt=\"reference\" src=\"{image}\"><figcaption><b>reference</b></figcaption></figure>\n",
+        pixels = pixels(cost),
     ));
     Ok(out)
 }
@@ -233,9 +246,10 @@ fn heat_maps(cost: &SceneCost) -> Result<String, Error> {
     let figure = |(estimator, e): (&EstimatorCost, &EqualTime)| {
         let image = heat_map(size(cost), &e.relative_errors)?;
         Ok(format!(
-            "<figure><img alt=\"error of {name}\" src=\"{image}\"><figcaption><b>{name}</b>{}</figcaption></figure>\n",
+            "<figure><img{pixels} alt=\"error of {name}\" src=\"{image}\"><figcaption><b>{name}</b>{}</figcaption></figure>\n",
             share(&e.relative_errors),
             name = escape(&estimator.name),
+            pixels = pixels(cost),
         ))
     };
     let figures: Result<Vec<String>, Error> = at_equal_time(cost).map(figure).collect();
@@ -308,7 +322,7 @@ fn footer(machine: &Machine) -> String {
     )
 }
 
-const DEFINITIONS: [(&str, &str); 8] = [
+const DEFINITIONS: [(&str, &str); 9] = [
     (
         "relMSE",
         "mean over pixels and channels of (x − r)² / (r² + 0.01·mean(r)²), x the image and r the reference, less the reference's own error where that is known",
@@ -334,8 +348,12 @@ const DEFINITIONS: [(&str, &str); 8] = [
         "1 plus the number of estimators whose interval of efficiency lies above; overlapping intervals are ties",
     ),
     (
+        "images",
+        "at equal time; those wider than the page shows them are reduced, by the mean of the light that a display shows of them, which makes their noise look smaller: relMSE is that of the whole image",
+    ),
+    (
         "heat maps",
-        "√ of each pixel's relative squared error, mean over channels, in the image at equal time",
+        "√ of each pixel's relative squared error, mean over channels, in the image at equal time; the root mean square of several pixels where they are reduced",
     ),
     (
         "curves",
