@@ -1,8 +1,4 @@
 //! The report of `direkt cost`: a page that needs no network, its plots as SVG and PNG, a table as CSV.
-//!
-//! Plots are written as SVG by hand: their colours are classes, so that the page shows them light or dark, as the reader's
-//! system is set. The PNG files are drawn from the same SVG with a font that is compiled in: a machine without any fonts
-//! gets the same pictures.
 
 mod bars;
 mod chart;
@@ -12,14 +8,12 @@ pub mod format;
 pub mod machine;
 mod page;
 mod picture;
-mod raster;
-mod scale;
-mod svg;
 mod tables;
 
 pub use figures::ranked;
 
 use crate::cost::SceneCost;
+use crate::drawing::raster;
 use crate::error::Error;
 use crate::image::write_atomically;
 use machine::Machine;

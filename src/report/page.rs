@@ -7,7 +7,7 @@ use super::picture::{HEAT, heat, heat_map, radiance};
 use super::tables::{equal_error, not_applicable, ranking, reached, vague};
 use crate::cost::reference::Source;
 use crate::cost::{EqualTime, EstimatorCost, Interval, SceneCost};
-use super::svg::adaptive_css;
+use crate::drawing::svg::adaptive_css;
 use crate::error::Error;
 use crate::scene::FilmSize;
 
