@@ -2,15 +2,15 @@
 
 use super::interrupt::Interrupt;
 use super::settings::{ImageArguments, SceneListArguments};
-use super::{AdapterArgument, JsonArgument, print};
+use super::{AdapterArgument, JsonArgument, print, progress};
 use crate::cost::{SceneCost, Settings, estimator, measure};
 use crate::error::Error;
 use crate::gpu::Context;
-use crate::report::format::{number, seconds, short};
+use crate::report::format::{number, range, seconds, short, slope};
 use crate::report::{self, csv, machine::Machine};
 use crate::scene::{LightSelection, Sampler, Scene, Strategy};
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -213,16 +213,8 @@ fn summary(cost: &SceneCost) -> String {
     );
     for e in report::ranked(cost) {
         let interval = e.efficiency;
-        let efficiency = format!(
-            "{} [{}, {}]",
-            number(interval.value),
-            number(interval.low),
-            number(interval.high)
-        );
-        let slope = e.slope_samples.map_or_else(
-            || "—".to_owned(),
-            |s| format!("{:.2} ± {:.2}", s.value, s.standard_error),
-        );
+        let efficiency = format!("{} {}", number(interval.value), range(&interval, number));
+        let slope = slope(e.slope_samples);
         let reached = e.reached.iter();
         let reached = reached.filter(|r| (r.target / cost.target - 1.0).abs() < 1e-9);
         let reached = reached.map(|r| r.seconds.value).next();
@@ -246,14 +238,12 @@ struct Bar(ProgressBar);
 
 impl Bar {
     fn new(budget: f64, quiet: bool) -> Self {
-        let bar = if quiet {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::new((1000.0 * budget) as u64)
-        };
-        let style = ProgressStyle::with_template("{bar:24} {percent:>3} % {msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self(bar)
+        let length = (1000.0 * budget) as u64;
+        Self(progress::bar(
+            length,
+            "{bar:24} {percent:>3} % {msg}",
+            quiet,
+        ))
     }
 
     fn show(&self, what: &str, spent: f64) {

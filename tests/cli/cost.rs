@@ -41,7 +41,7 @@ fn the_report_is_complete_and_needs_no_network() {
         let svg = read(&report.join(format!("cornell-{plot}.svg")));
         assert!(svg.starts_with("<svg ") && !svg.contains("NaN"), "{plot}");
         let png = image::open(report.join(format!("cornell-{plot}.png"))).unwrap();
-        assert_eq!(png.width(), 1920);
+        assert!(png.width() > 1500 && png.height() > 200, "{plot}");
     }
     let page = read(&report.join("report.html"));
     for foreign in ["http://", "https://", "<script", "<link", "url(", "@import"] {

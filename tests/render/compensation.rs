@@ -2,10 +2,11 @@
 //! sampling is alone.
 
 use crate::support::every_kind::{environment_map, every_kind};
-use crate::support::twin::{Part, Power, accept_means, exact_means, recorded_film, same_means};
+use crate::support::twin::{
+    COMMON_MISTAKES, Part, Power, accept_means, exact_means, recorded_film, same_means,
+};
 use crate::support::{context, floor_pixel, scene, statistics};
 use direkt::emitters::EnvironmentGrid;
-use direkt::reference::BrokenTwin;
 use direkt::render::{Film, Prepared};
 use direkt::scene::light::Interpolation;
 use direkt::scene::{
@@ -74,13 +75,7 @@ fn compensation_does_not_change_the_mean() {
             power.check(&both[1], image, Some(&films[0]), p_values, &what);
         }
     }
-    power.found(&[
-        BrokenTwin::PdfScaled,
-        BrokenTwin::WrongMeasure,
-        BrokenTwin::LightLeftOut,
-        BrokenTwin::MisWeights,
-        BrokenTwin::ExtraCosine,
-    ]);
+    power.found(&COMMON_MISTAKES);
 }
 
 /// Light sampling that leaves the sky out, with nothing beside it that would find it.
