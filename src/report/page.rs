@@ -187,16 +187,16 @@ fn pixels(cost: &SceneCost) -> &'static str {
     }
 }
 
-/// What a lecture's slide says below an image.
+/// What a lecture's slide says below an image, in two lines.
 fn stamp(cost: &SceneCost, e: &EqualTime) -> String {
     let passes = if e.passes == 1 { "pass" } else { "passes" };
-    let facts = [
+    format!(
+        "{} · {} {passes} · {} primitives<br>{:.1} M rays/s",
         seconds(e.seconds),
-        format!("{} {passes}", grouped(e.passes as f64)),
-        format!("{} primitives", grouped(cost.primitives as f64)),
-        format!("{:.1} M rays/s", e.rays_per_second / 1e6),
-    ];
-    facts.map(|f| f.replace(' ', "\u{a0}")).join(" · ")
+        grouped(e.passes as f64),
+        grouped(cost.primitives as f64),
+        e.rays_per_second / 1e6
+    )
 }
 
 /// Estimators that have an image at equal time, with it, best first.
@@ -229,7 +229,7 @@ fn images(cost: &SceneCost) -> Result<String, Error> {
             "<figure><img{pixels} alt=\"{name}\" src=\"{image}\">\
              <figcaption><b>{name}</b>relMSE {} · {spp} samples per pixel<br>{}</figcaption></figure>\n",
             number(e.rel_mse),
-            escape(&stamp(cost, e)),
+            stamp(cost, e),
             name = escape(&estimator.name),
             pixels = pixels(cost),
         ));

@@ -123,7 +123,6 @@ fn compensation_lowers_the_variance_under_a_sun_in_a_broad_sky() {
             "sun and sky, {strategy}, {}: mean squared error {:.3e}, compensated {:.3e}",
             context.adapter.name, plain.mean, lower.mean
         );
-        println!("{what}, ratio {:.3}", plain.mean / lower.mean);
         let p = welch(&plain, &lower).unwrap().p_value;
         assert!(
             lower.mean < plain.mean && statistics::family().rejects(p),
