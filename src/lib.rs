@@ -26,6 +26,7 @@
 //! `cli`. Beside it, [`stats`] decides whether samples agree with what they should be, and
 //! [`reference`](mod@reference) computes what they should be; both in f64 and without the GPU. [`compare`] holds one
 //! against the other; `docs/verification.md` says how. [`lab`] runs kernels without a scene.
+//! Its plots and the report's are made of [`drawing`].
 //!
 //! # A render, from code
 //!
@@ -80,6 +81,7 @@ pub mod accel;
 pub mod cli;
 pub mod compare;
 pub mod cost;
+pub mod drawing;
 pub mod effects;
 pub mod emitters;
 pub mod error;

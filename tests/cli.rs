@@ -3,6 +3,7 @@
 mod check;
 mod compare;
 mod cost;
+mod explain;
 mod lab;
 
 use assert_cmd::Command;
@@ -251,6 +252,17 @@ impl Drop for Child {
     }
 }
 
+/// Sends Ctrl-C.
+#[cfg(unix)]
+fn interrupt(child: &Child) {
+    let command = format!("kill -INT {}", child.0.id());
+    let sent = std::process::Command::new("sh")
+        .args(["-c", &command])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+}
+
 /// Ctrl-C writes what there is.
 #[cfg(unix)]
 #[test]
@@ -279,12 +291,7 @@ fn an_interrupt_writes_the_image_so_far() {
     assert!(first.starts_with("rendering"), "{first}");
     // The driver compiles at the first dispatch.
     std::thread::sleep(std::time::Duration::from_secs(5));
-    let interrupt = format!("kill -INT {}", child.0.id());
-    let sent = std::process::Command::new("sh")
-        .args(["-c", &interrupt])
-        .status()
-        .unwrap();
-    assert!(sent.success());
+    interrupt(&child);
     assert!(child.0.wait().unwrap().success());
     assert!(image::open(&png).is_ok());
     let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
@@ -351,37 +358,6 @@ fn an_error_ends_a_render() {
             stderr.contains(&format!("{} {}", wrong[0], wrong[1].replace("nan", "NaN"))),
             "{stderr}"
         );
-    }
-}
-
-#[test]
-fn explain_tells_effects_with_reasons() {
-    let (code, stdout, stderr) = run(&["explain", "scenes/cornell.toml"]);
-    assert_eq!(code, 0, "{stderr}");
-    for part in ["rectangles", "area-lights", "left out:", "spheres"] {
-        assert!(stdout.contains(part), "{part} is missing:\n{stdout}");
-    }
-    let (code, stdout, _) = run(&["explain", "scenes/cornell.toml", "--wgsl"]);
-    assert_eq!(code, 0);
-    assert!(naga::front::wgsl::parse_str(&stdout).is_ok());
-}
-
-#[test]
-fn the_schema_is_json_and_knows_the_tables() {
-    let (code, stdout, _) = run(&["explain", "--schema"]);
-    assert_eq!(code, 0);
-    let schema: Value = serde_json::from_str(&stdout).unwrap();
-    for table in [
-        "camera",
-        "film",
-        "materials",
-        "shapes",
-        "lights",
-        "environment",
-        "render",
-        "expect",
-    ] {
-        assert!(schema["properties"][table].is_object(), "{table}");
     }
 }
 

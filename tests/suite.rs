@@ -10,6 +10,7 @@
 
 mod cli;
 mod compare;
+mod cost;
 mod doctor;
 mod lab;
 mod layout;

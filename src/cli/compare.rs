@@ -1,8 +1,8 @@
 //! `direkt compare`: the GPU estimator held against the reference.
 
 use super::outputs::check_image_path;
-use super::settings::{EstimatorArguments, SceneArguments};
-use super::{AdapterArgument, JsonArgument, print};
+use super::settings::{EstimatorArguments, SceneArguments, warn};
+use super::{AdapterArgument, JsonArgument, print, progress};
 use crate::compare::{
     CompareError, Comparison, Settings, compare, default_film, minimum_samples, per_sample,
 };
@@ -12,7 +12,6 @@ use crate::image::signed;
 use crate::reference::BrokenTwin;
 use crate::render::Prepared;
 use crate::scene::{FilmSize, LightSelection, Strategy};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -73,7 +72,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let (prepared, settings) = prepare(arguments)?;
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
     let quiet = arguments.quiet || arguments.json.is_stdout();
-    let bar = progress_bar(settings.samples, quiet);
+    let template = "{bar:24} {percent:>3} % comparing, {eta} left";
+    let bar = progress::bar(settings.samples, template, quiet);
     let path = arguments.scene.scene.display();
     let comparison = compare(&context, &prepared, &settings, |done| {
         bar.set_position(done);
@@ -120,8 +120,8 @@ fn prepare(arguments: &Arguments) -> Result<(Prepared, Settings), Error> {
     }
     let mut scene = arguments.scene.load()?;
     arguments.estimator.apply(&mut scene)?;
-    arguments.scene.warn(&scene);
-    let size = arguments.estimator.size;
+    warn(&scene);
+    let size = arguments.estimator.image.size;
     let settings = Settings {
         film: size.unwrap_or_else(|| default_film(scene.film)),
         samples: arguments.spp,
@@ -161,16 +161,6 @@ fn check_broken(prepared: &Prepared, broken: Option<BrokenTwin>) -> Result<(), E
         "--break {}: {} - but this scene with this strategy never gets there",
         row.name, row.description
     )))
-}
-
-fn progress_bar(samples: u64, quiet: bool) -> ProgressBar {
-    if quiet {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(samples);
-    let style = ProgressStyle::with_template("{bar:24} {percent:>3} % comparing, {eta} left");
-    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    bar
 }
 
 fn write_images(arguments: &Arguments, size: FilmSize, report: &Report) -> Result<(), Error> {

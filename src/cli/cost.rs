@@ -1,17 +1,18 @@
 //! `direkt cost`: what accuracy costs in time, for every estimator.
 
 use super::calibrate::{CalibrateArguments, print_table};
-use super::settings::SceneListArguments;
-use super::{AdapterArgument, JsonArgument, print};
+use super::interrupt::Interrupt;
+use super::settings::{ImageArguments, SceneListArguments};
+use super::{AdapterArgument, JsonArgument, print, progress};
 use crate::cost::calibrate::Calibration;
 use crate::cost::{SceneCost, Settings, estimator, measure};
 use crate::error::Error;
 use crate::gpu::Context;
-use crate::report::format::{number, seconds, short};
+use crate::report::format::{number, range, seconds, short, slope};
 use crate::report::{self, csv, machine::Machine};
-use crate::scene::{FilmSize, LightSelection, Sampler, Scene, Strategy, validate};
+use crate::scene::{LightSelection, Sampler, Scene, Strategy};
 use clap::ValueEnum;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -47,12 +48,8 @@ pub struct Arguments {
     /// Image to compare with, an EXR of the same size; otherwise the scene's exact values or a long run of direkt's own
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
-    /// Size of the images
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = super::settings::parse_size)]
-    size: Option<FilmSize>,
-    /// Seed that all seeds are derived from
-    #[arg(long)]
-    seed: Option<u32>,
+    #[command(flatten)]
+    image: ImageArguments,
     /// Write every measured point as a line of CSV to this file
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
@@ -71,6 +68,9 @@ pub struct Arguments {
 #[derive(Debug, Serialize)]
 struct Report<'a> {
     machine: &'a Machine,
+    interrupted: bool,
+    /// Scenes of which there is no result because it was.
+    not_measured: &'a [String],
     scenes: &'a [SceneCost],
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     calibrations: &'a [Calibration],
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.check()?;
     let mut scenes = arguments.scenes.load()?;
     for scene in &mut scenes {
-        arguments.apply(scene)?;
+        arguments.image.apply(scene)?;
     }
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
     let machine = Machine::this(&context.adapter);
@@ -93,33 +93,70 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     else {
         return arguments.calibrate(&context, &machine, &scenes, quiet);
     };
-    let mut costs = Vec::new();
+    let interrupt = Interrupt::listen();
+    let (mut costs, mut not_measured) = (Vec::new(), Vec::new());
     for scene in &scenes {
-        let settings = arguments.settings(scene);
-        let progress = Bar::new(settings.budget, quiet);
-        let source = scene.source.display();
-        let mut show = |what: &str, spent: f64| progress.show(&format!("{source}: {what}"), spent);
-        let cost = measure(&context, scene, &settings, &mut show)?;
-        progress.finish();
-        if !quiet {
-            print(&summary(&cost))?;
+        match measure_scene(
+            &context,
+            scene,
+            &arguments.settings(scene),
+            &interrupt,
+            quiet,
+        )? {
+            Some(cost) => costs.push(cost),
+            None => not_measured.push(scene.source.display().to_string()),
         }
-        costs.push(cost);
     }
-    report::write(output, &costs, &machine)?;
+    let interrupted = !not_measured.is_empty() || costs.iter().any(|c| c.interrupted);
+    if costs.is_empty() {
+        eprintln!("direkt: interrupted before there was enough for a result, nothing was written");
+        return Ok(ExitCode::FAILURE);
+    }
+    report::write(output, &costs, &not_measured, &machine)?;
     if let Some(path) = &arguments.csv {
         crate::image::write_atomically(path, csv::table(&costs).as_bytes())?;
     }
     arguments.json.write(&Report {
         machine: &machine,
+        interrupted,
+        not_measured: &not_measured,
         scenes: &costs,
         calibrations: &[],
     })?;
     if !quiet {
+        if interrupted {
+            eprintln!("direkt: interrupted, the report shows what was measured until then");
+        }
         let page = output.join("report.html");
         print(&format!("{}\n", page.display()))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The cost on `scene`; `None` where Ctrl-C came before there was enough for a result.
+fn measure_scene(
+    context: &Context,
+    scene: &Scene,
+    settings: &Settings,
+    interrupt: &Interrupt,
+    quiet: bool,
+) -> Result<Option<SceneCost>, Error> {
+    if interrupt.came() {
+        return Ok(None);
+    }
+    let source = scene.source.display();
+    if !quiet {
+        let (name, driver) = (&context.adapter.name, &context.adapter.driver);
+        eprintln!("measuring {source} on {name} ({driver})");
+    }
+    let progress = Bar::new(settings.budget, quiet);
+    let mut show = |what: &str, spent: f64| progress.show(&format!("{source}: {what}"), spent);
+    let cost = measure(context, scene, settings, &mut show, &|| interrupt.came())?;
+    progress.finish();
+    if let Some(cost) = cost.as_ref().filter(|_| !quiet) {
+        print(&summary(cost))?;
+    }
+    Ok(cost)
 }
 
 impl Arguments {
@@ -168,20 +205,12 @@ impl Arguments {
         }
         self.json.write(&Report {
             machine,
+            interrupted: false,
+            not_measured: &[],
             scenes: &[],
             calibrations: &calibrations,
         })?;
         Ok(ExitCode::SUCCESS)
-    }
-
-    fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
-        scene.render.seed = self.seed.unwrap_or(scene.render.seed);
-        if let Some(size) = self.size.filter(|&size| size != scene.film) {
-            scene.film = size;
-            // What it says holds for the film of the file.
-            scene.expect = None;
-        }
-        validate::validate(scene)
     }
 
     fn settings(&self, scene: &Scene) -> Settings {
@@ -231,16 +260,8 @@ fn summary(cost: &SceneCost) -> String {
     );
     for e in report::ranked(cost) {
         let interval = e.efficiency;
-        let efficiency = format!(
-            "{} [{}, {}]",
-            number(interval.value),
-            number(interval.low),
-            number(interval.high)
-        );
-        let slope = e.slope_samples.map_or_else(
-            || "—".to_owned(),
-            |s| format!("{:.2} ± {:.2}", s.value, s.standard_error),
-        );
+        let efficiency = format!("{} {}", number(interval.value), range(&interval, number));
+        let slope = slope(e.slope_samples);
         let reached = e.reached.iter();
         let reached = reached.filter(|r| (r.target / cost.target - 1.0).abs() < 1e-9);
         let reached = reached.map(|r| r.seconds.value).next();
@@ -264,14 +285,12 @@ struct Bar(ProgressBar);
 
 impl Bar {
     fn new(budget: f64, quiet: bool) -> Self {
-        let bar = if quiet {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::new((1000.0 * budget) as u64)
-        };
-        let style = ProgressStyle::with_template("{bar:24} {percent:>3} % {msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self(bar)
+        let length = (1000.0 * budget) as u64;
+        Self(progress::bar(
+            length,
+            "{bar:24} {percent:>3} % {msg}",
+            quiet,
+        ))
     }
 
     fn show(&self, what: &str, spent: f64) {

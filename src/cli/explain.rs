@@ -1,11 +1,12 @@
 //! `direkt explain`: which effects a scene calls for, and why.
 
+use super::settings::{AssetArguments, EstimatorArguments};
 use super::{JsonArgument, print};
 use crate::effects::Effect;
 use crate::error::Error;
 use crate::gpu::shader::{self, Config};
 use crate::render::Prepared;
-use crate::scene::load::{LoadOptions, load, schema};
+use crate::scene::load::schema;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -23,9 +24,10 @@ pub struct Arguments {
     /// Print the linked WGSL of the scene's kernel instead
     #[arg(long)]
     wgsl: bool,
-    /// Further folder in which files that the scene names are looked up; may be repeated
-    #[arg(long, value_name = "DIR")]
-    assets: Vec<PathBuf>,
+    #[command(flatten)]
+    assets: AssetArguments,
+    #[command(flatten)]
+    estimator: EstimatorArguments,
     #[command(flatten)]
     json: JsonArgument,
 }
@@ -40,7 +42,17 @@ struct Report {
     bvh_nodes: usize,
     bvh_depth: usize,
     lights: usize,
+    environment: Option<EnvironmentSampling>,
+    mis_compensation_unused: Option<String>,
     warnings: Vec<String>,
+}
+
+/// How directions towards the environment map are chosen.
+#[derive(Debug, Serialize)]
+struct EnvironmentSampling {
+    columns: u32,
+    rows: u32,
+    compensated: bool,
 }
 
 #[derive(Debug, Serialize)]
@@ -55,10 +67,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&schema())?;
         return Ok(ExitCode::SUCCESS);
     };
-    let options = LoadOptions {
-        assets: arguments.assets.clone(),
-    };
-    let scene = load(path, &options)?;
+    let mut scene = arguments.assets.load(path)?;
+    arguments.estimator.apply(&mut scene)?;
     let settings = scene.render;
     let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
     let config = Config {
@@ -85,6 +95,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         bvh_nodes: prepared.bvh.nodes.len(),
         bvh_depth: prepared.bvh.depth,
         lights: prepared.emitters.lights.len(),
+        environment: environment_sampling(&prepared),
+        mis_compensation_unused: mis_compensation_unused(&prepared),
         warnings: prepared.scene.warnings.clone(),
     };
     arguments.json.write(&report)?;
@@ -92,6 +104,32 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&text(&report))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn environment_sampling(prepared: &Prepared) -> Option<EnvironmentSampling> {
+    let grid = prepared.emitters.environment.as_ref()?;
+    let sampled = prepared.scene.render.strategy.samples_lights();
+    sampled.then_some(EnvironmentSampling {
+        columns: grid.size[0],
+        rows: grid.size[1],
+        compensated: grid.compensated,
+    })
+}
+
+/// Why `mis_compensation`, which is asked for, changes nothing.
+fn mis_compensation_unused(prepared: &Prepared) -> Option<String> {
+    let settings = prepared.scene.render;
+    if !settings.mis_compensation {
+        return None;
+    }
+    match &prepared.emitters.environment {
+        None => Some("the scene has no environment map that emits".to_owned()),
+        Some(_) if !settings.strategy.is_mis() => Some(format!(
+            "strategy {} does not combine light and BSDF sampling",
+            settings.strategy
+        )),
+        Some(grid) => (!grid.compensated).then(|| "the environment map is constant".to_owned()),
+    }
 }
 
 fn text(report: &Report) -> String {
@@ -106,6 +144,21 @@ fn text(report: &Report) -> String {
         "{} primitives, {} lights, BVH of {} nodes and depth {}, {} bytes of WGSL",
         report.primitives, report.lights, report.bvh_nodes, report.bvh_depth, report.wgsl_bytes,
     );
+    if let Some(grid) = &report.environment {
+        let by = if grid.compensated {
+            "what of its luminance exceeds the mean (mis_compensation)"
+        } else {
+            "its luminance"
+        };
+        let _ = writeln!(
+            out,
+            "a direction towards the environment map is chosen among {} × {} cells, each by {by}",
+            grid.columns, grid.rows
+        );
+    }
+    if let Some(reason) = &report.mis_compensation_unused {
+        let _ = writeln!(out, "mis_compensation changes nothing: {reason}");
+    }
     for warning in &report.warnings {
         let _ = writeln!(out, "warning: {warning}");
     }

@@ -134,7 +134,7 @@ fn make_folder(folder: &Path) -> Result<(), Error> {
 fn write_plots(folder: &Path, report: &Report) -> Result<(), Error> {
     for plot in &report.plots {
         let path = folder.join(format!("{}.svg", plot.file));
-        write_atomically(&path, plot.svg().as_bytes())?;
+        write_atomically(&path, plot.draw().file().as_bytes())?;
     }
     Ok(())
 }

@@ -6,6 +6,7 @@ mod compare;
 mod cost;
 mod doctor;
 mod explain;
+mod interrupt;
 mod lab;
 mod outputs;
 mod passes;

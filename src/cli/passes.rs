@@ -1,13 +1,12 @@
 //! The passes of a render, until something ends them.
 
+use super::interrupt::Interrupt;
 use super::progress::Progress;
-use super::render::stop_on_interrupt;
 use crate::error::Error;
 use crate::render::goal::{ErrorGoal, Look, Watch};
 use crate::render::{Session, StopReason};
 use crate::scene::Scene;
 use serde::Serialize;
-use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 /// What ended a render.
@@ -43,7 +42,7 @@ pub fn take_passes(
     quiet: bool,
 ) -> Result<Progressed, Error> {
     let settings = scene.render;
-    let interrupted = stop_on_interrupt();
+    let interrupt = Interrupt::listen();
     let time = settings.time.map(Duration::from_secs_f64);
     let mut progress = Progress::new(settings.spp, time, quiet);
     let start = Instant::now();
@@ -60,9 +59,9 @@ pub fn take_passes(
         // The first pass is finished whatever the time, so that there is an image.
         let first = session.samples() == 0;
         let out_of_time = || !first && time.is_some_and(|t| start.elapsed() >= t);
-        let stop = || interrupted.load(Ordering::Relaxed) || out_of_time();
+        let stop = || interrupt.came() || out_of_time();
         if session.pass(samples, stop)? == StopReason::Interrupted {
-            stopped_by = if interrupted.load(Ordering::Relaxed) {
+            stopped_by = if interrupt.came() {
                 StoppedBy::Interrupt
             } else {
                 StoppedBy::Time

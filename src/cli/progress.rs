@@ -1,4 +1,4 @@
-//! The progress bar of a render, on stderr.
+//! Progress bars, on stderr.
 
 use crate::error::GpuError;
 use crate::render::{ImageError, Session};
@@ -9,6 +9,17 @@ use std::time::{Duration, Instant};
 const LOOK_INTERVAL: Duration = Duration::from_secs(1);
 /// Looking at the error may take this fraction of the time.
 const LOOK_SHARE: u32 = 50;
+
+/// A bar of `length` that is drawn by `template`; none where `quiet` or where stderr is no terminal.
+pub fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template(template);
+    let bar = ProgressBar::new(length);
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar
+}
 
 /// Shows pass, samples/s, rays/s, error so far and the time left. Silent where stderr is no terminal.
 pub struct Progress {
@@ -24,14 +35,7 @@ pub struct Progress {
 impl Progress {
     /// A bar for `spp` samples per pixel or `time`, whichever comes first.
     pub fn new(spp: u64, time: Option<Duration>, quiet: bool) -> Self {
-        let bar = if quiet {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::new(1000)
-        };
-        let style = ProgressStyle::with_template("{bar:24} {percent:>3} % {msg}")
-            .unwrap_or_else(|_| ProgressStyle::default_bar());
-        bar.set_style(style);
+        let bar = bar(1000, "{bar:24} {percent:>3} % {msg}", quiet);
         let start = Instant::now();
         Self {
             bar,

@@ -3,7 +3,7 @@
 use super::check::{CheckArgument, print_verdict};
 use super::outputs::OutputArguments;
 use super::passes::{Progressed, StoppedBy, take_passes};
-use super::settings::{EstimatorArguments, SceneArguments};
+use super::settings::{EstimatorArguments, SceneArguments, warn};
 use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
@@ -11,8 +11,6 @@ use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Sessio
 use crate::scene::{LightSelection, Sampler, Scene, Strategy};
 use serde::Serialize;
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Arguments of `direkt render`.
@@ -139,7 +137,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.settings.apply(&mut scene)?;
     arguments.check.before(&scene)?;
     let load_seconds = start.elapsed().as_secs_f64();
-    arguments.scene.warn(&scene);
+    warn(&scene);
     let settings = scene.render;
     let film_size = scene.film;
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
@@ -236,19 +234,6 @@ fn effect_reports(prepared: &Prepared) -> Vec<EffectReport> {
             reason: reason.to_owned(),
         });
     effects.collect()
-}
-
-/// Sets a flag at Ctrl-C; a second Ctrl-C ends the process at once.
-pub fn stop_on_interrupt() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let seen = Arc::clone(&flag);
-    // A handler that cannot be installed leaves the default: Ctrl-C ends the process.
-    let _ = ctrlc::set_handler(move || {
-        if seen.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
-    flag
 }
 
 /// The EXR's attributes.

@@ -3,32 +3,46 @@
 use crate::error::Error;
 use crate::scene::load::{LoadOptions, load};
 use crate::scene::{FilmSize, LightSampling, LightSelection, Sampler, Scene, Strategy, validate};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+/// Where the files that scenes name are looked up.
+#[derive(Debug, clap::Args)]
+pub struct AssetArguments {
+    /// Further folder in which files that a scene names are looked up; may be repeated
+    #[arg(long, value_name = "DIR")]
+    assets: Vec<PathBuf>,
+}
+
+impl AssetArguments {
+    /// Reads the scene of `path`.
+    pub fn load(&self, path: &Path) -> Result<Scene, Error> {
+        let options = LoadOptions {
+            assets: self.assets.clone(),
+        };
+        load(path, &options)
+    }
+}
+
+/// Says on stderr what `scene` asks for and direkt does not do.
+pub fn warn(scene: &Scene) {
+    for warning in &scene.warnings {
+        eprintln!("direkt: warning: {}: {warning}", scene.source.display());
+    }
+}
 
 /// The scene file.
 #[derive(Debug, clap::Args)]
 pub struct SceneArguments {
     /// The scene: .toml, .gltf or .glb
     pub scene: PathBuf,
-    /// Further folder in which files that the scene names are looked up; may be repeated
-    #[arg(long, value_name = "DIR")]
-    assets: Vec<PathBuf>,
+    #[command(flatten)]
+    assets: AssetArguments,
 }
 
 impl SceneArguments {
     /// Reads the scene.
     pub fn load(&self) -> Result<Scene, Error> {
-        let options = LoadOptions {
-            assets: self.assets.clone(),
-        };
-        load(&self.scene, &options)
-    }
-
-    /// Says on stderr what `scene` asks for and direkt does not do.
-    pub fn warn(&self, scene: &Scene) {
-        for warning in &scene.warnings {
-            eprintln!("direkt: warning: {}: {warning}", self.scene.display());
-        }
+        self.assets.load(&self.scene)
     }
 }
 
@@ -38,33 +52,52 @@ pub struct SceneListArguments {
     /// The scenes: .toml, .gltf or .glb
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<PathBuf>,
-    /// Further folder in which files that the scenes name are looked up; may be repeated
-    #[arg(long, value_name = "DIR")]
-    assets: Vec<PathBuf>,
+    #[command(flatten)]
+    assets: AssetArguments,
 }
 
 impl SceneListArguments {
     /// Reads the scenes, and says on stderr what they ask for and direkt does not do.
     pub fn load(&self) -> Result<Vec<Scene>, Error> {
-        let load = |scene: &PathBuf| {
-            let arguments = SceneArguments {
-                scene: scene.clone(),
-                assets: self.assets.clone(),
-            };
-            let scene = arguments.load()?;
-            arguments.warn(&scene);
+        let load = |path: &PathBuf| {
+            let scene = self.assets.load(path)?;
+            warn(&scene);
             Ok(scene)
         };
         self.scenes.iter().map(load).collect()
     }
 }
 
-/// Flags that override the scene's strategy, light selection, seed and size.
+/// Flags that override the scene's seed and size.
 #[derive(Debug, clap::Args)]
-pub struct EstimatorArguments {
+pub struct ImageArguments {
     /// Seed of the random numbers
     #[arg(long)]
     seed: Option<u32>,
+    /// Size of the image
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
+    pub size: Option<FilmSize>,
+}
+
+impl ImageArguments {
+    /// Changes `scene` and validates it.
+    pub fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
+        scene.render.seed = self.seed.unwrap_or(scene.render.seed);
+        if let Some(size) = self.size.filter(|&size| size != scene.film) {
+            scene.film = size;
+            // What it says holds for the film of the file.
+            scene.expect = None;
+        }
+        validate::validate(scene)
+    }
+}
+
+/// Flags that override the scene's strategy, how lights and numbers are chosen, seed and size.
+#[derive(Debug, clap::Args)]
+pub struct EstimatorArguments {
+    /// Seed and size.
+    #[command(flatten)]
+    pub image: ImageArguments,
     /// How directions are chosen
     #[arg(long, value_enum)]
     strategy: Option<Strategy>,
@@ -74,29 +107,24 @@ pub struct EstimatorArguments {
     /// How a point of a chosen light is chosen by the MIS strategies
     #[arg(long, value_enum)]
     light_sampling: Option<LightSampling>,
+    /// Whether the MIS strategies sample of an environment map only what is brighter than its mean
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    mis_compensation: Option<bool>,
     /// How random numbers are made
     #[arg(long, value_enum)]
     sampler: Option<Sampler>,
-    /// Size of the image
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
-    pub size: Option<FilmSize>,
 }
 
 impl EstimatorArguments {
     /// Changes `scene` and validates it.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
         let render = &mut scene.render;
-        render.seed = self.seed.unwrap_or(render.seed);
         render.strategy = self.strategy.unwrap_or(render.strategy);
         render.light_selection = self.light_selection.unwrap_or(render.light_selection);
         render.light_sampling = self.light_sampling.unwrap_or(render.light_sampling);
+        render.mis_compensation = self.mis_compensation.unwrap_or(render.mis_compensation);
         render.sampler = self.sampler.unwrap_or(render.sampler);
-        if let Some(size) = self.size.filter(|&size| size != scene.film) {
-            scene.film = size;
-            // What it says holds for the film of the file.
-            scene.expect = None;
-        }
-        validate::validate(scene)
+        self.image.apply(scene)
     }
 }
 

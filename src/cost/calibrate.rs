@@ -8,6 +8,7 @@
 
 use super::Progress;
 use super::estimator::{self, Estimator};
+use super::halt::Halt;
 use super::runner::{Runner, Seeds, prepare};
 use crate::error::Error;
 use crate::gpu::Context;
@@ -131,7 +132,8 @@ fn one(
     let mut fixed = Vec::new();
     for done in 0..settings.images as usize {
         tell("images", done, 0.0);
-        let film = runner.run(seeds.draw(), settings.samples)?.film;
+        let run = runner.run(seeds.draw(), settings.samples, &|| false);
+        let film = run.map_err(Halt::failure)?.film;
         fixed.push(image(&film).ok_or_else(unknown)?);
     }
     let truth = Truth::new(&fixed);

@@ -3,8 +3,8 @@
 use super::interval::{Interval, NORMAL_95};
 use super::measures::{Lines, Point, ranks};
 use super::reference::{Reference, Source};
-use super::schedule::Work;
-use super::{EqualTime, EstimatorCost, ReferenceFacts, SceneCost};
+use super::schedule::{Measured, Work};
+use super::{EstimatorCost, ReferenceFacts, SceneCost};
 
 impl Work<'_, '_> {
     /// What the measurements say.
@@ -12,37 +12,38 @@ impl Work<'_, '_> {
         self,
         reference: Reference,
         source: Source,
-        curves: &[Vec<Point>],
-        equal_seconds: f64,
-        equal: Vec<EqualTime>,
+        measured: Measured,
     ) -> SceneCost {
+        let curves = &measured.curves;
         let last = |points: &Vec<Point>| points.last().expect("three counts").efficiency;
         let ranks = ranks(&curves.iter().map(last).collect::<Vec<_>>());
         let selections = self.runners.iter().map(|r| r.estimator.light_selection);
         let several = selections.collect::<std::collections::HashSet<_>>().len() > 1;
-        let measured = self.runners.iter().zip(curves).zip(ranks).zip(equal);
-        let estimators = measured.map(|(((runner, points), rank), equal_time)| {
-            let last = points.last().expect("three counts");
-            let per = 1.0 / (last.samples as f64 * self.scene.film.pixels() as f64);
-            let lines = Lines::new(points);
-            let target = self.settings.target;
-            let reach = |factor: f64| lines.and_then(|l| l.reach(factor * target));
-            EstimatorCost {
-                name: runner.estimator.name(several),
-                estimator: runner.estimator,
-                compile_seconds: runner.compile_seconds,
-                seconds_per_sample: last.seconds.scaled(per),
-                samples_per_second: 1.0 / (last.seconds.value * per),
-                points: points.clone(),
-                slope_samples: lines.map(|l| l.slope_samples()),
-                slope_time: lines.map(|l| l.slope_time()),
-                efficiency: last.efficiency,
-                rank,
-                reached: [10.0, 1.0, 0.1].into_iter().filter_map(reach).collect(),
-                dropped: runner.dropped,
-                equal_time,
-            }
-        });
+        let all = self.runners.iter().zip(curves).zip(ranks);
+        let estimators =
+            all.zip(measured.equal_time)
+                .map(|(((runner, points), rank), equal_time)| {
+                    let last = points.last().expect("three counts");
+                    let per = 1.0 / (last.samples as f64 * self.scene.film.pixels() as f64);
+                    let lines = Lines::new(points);
+                    let target = self.settings.target;
+                    let reach = |factor: f64| lines.and_then(|l| l.reach(factor * target));
+                    EstimatorCost {
+                        name: runner.estimator.name(several),
+                        estimator: runner.estimator,
+                        compile_seconds: runner.compile_seconds,
+                        seconds_per_sample: last.seconds.scaled(per),
+                        samples_per_second: 1.0 / (last.seconds.value * per),
+                        points: points.clone(),
+                        slope_samples: lines.map(|l| l.slope_samples()),
+                        slope_time: lines.map(|l| l.slope_time()),
+                        efficiency: last.efficiency,
+                        rank,
+                        reached: [10.0, 1.0, 0.1].into_iter().filter_map(reach).collect(),
+                        dropped: runner.dropped,
+                        equal_time,
+                    }
+                });
         SceneCost {
             scene: self.scene.source.display().to_string(),
             width: self.scene.film.width,
@@ -50,12 +51,13 @@ impl Work<'_, '_> {
             primitives: self.runners[0].primitives,
             budget: self.settings.budget,
             seconds: self.spent,
+            interrupted: measured.interrupted,
             seed: self.settings.seed,
             reference: facts(&reference, source),
             estimators: estimators.collect(),
             not_applicable: self.not_applicable.clone(),
             target: self.settings.target,
-            equal_seconds,
+            equal_seconds: measured.equal_seconds,
             reference_image: reference.mean,
         }
     }

@@ -19,6 +19,7 @@ mod conclude;
 pub mod error;
 pub mod estimator;
 pub mod fit;
+pub mod halt;
 pub use crate::stats::interval;
 pub mod measures;
 pub mod reference;
@@ -34,6 +35,7 @@ use crate::gpu::Context;
 use crate::render::{Film, RayCounts};
 use crate::scene::Scene;
 use fit::Slope;
+use halt::Halt;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -67,6 +69,8 @@ pub struct SceneCost {
     pub budget: f64,
     /// Seconds of rendering that were used.
     pub seconds: f64,
+    /// Whether measuring ended before its time.
+    pub interrupted: bool,
     /// Seed of all.
     pub seed: u32,
     /// What images were compared with.
@@ -125,8 +129,8 @@ pub struct EstimatorCost {
     pub reached: Vec<Reached>,
     /// Samples that were not finite and were dropped.
     pub dropped: u64,
-    /// An image of about the same time as the others'.
-    pub equal_time: EqualTime,
+    /// An image of about the same time as the others'; none where measuring ended before it was rendered.
+    pub equal_time: Option<EqualTime>,
 }
 
 /// An image at equal time.
@@ -155,7 +159,8 @@ pub struct EqualTime {
 /// What is going on, and which part of the budget is used.
 pub type Progress<'p> = &'p mut dyn FnMut(&str, f64);
 
-/// Measures the estimators on `scene`.
+/// Measures the estimators on `scene`. Once `stop` says so, it ends with what it has; with nothing where the least that a
+/// result takes, 1, 2 and 4 samples per pixel by every estimator, is not there yet.
 ///
 /// # Errors
 /// The budget is too small for a result, the reference cannot be used, no estimator is applicable, or the driver fails.
@@ -164,6 +169,11 @@ pub fn measure(
     scene: &Scene,
     settings: &Settings,
     progress: Progress<'_>,
-) -> Result<SceneCost, Error> {
-    schedule::measure(context, scene, settings, progress)
+    stop: &dyn Fn() -> bool,
+) -> Result<Option<SceneCost>, Error> {
+    match schedule::measure(context, scene, settings, progress, stop) {
+        Ok(cost) => Ok(Some(cost)),
+        Err(Halt::Stopped) => Ok(None),
+        Err(Halt::Failed(error)) => Err(error),
+    }
 }

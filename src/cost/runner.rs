@@ -2,10 +2,11 @@
 
 use super::error::Errors;
 use super::estimator::Estimator;
+use super::halt::Halt;
 use crate::error::GpuError;
 use crate::gpu::Context;
 use crate::render::goal::{Look, Watch};
-use crate::render::{ErrorGoal, Film, Prepared, RayCounts, Session};
+use crate::render::{ErrorGoal, Film, Prepared, RayCounts, Session, StopReason};
 use crate::scene::{FilmSize, Scene};
 use std::time::Instant;
 
@@ -117,16 +118,20 @@ impl<'a> Runner<'a> {
     }
 
     /// Renders `samples` samples of every pixel.
+    /// Renders `samples` samples of every pixel, unless `stop` asks to end before.
     ///
     /// # Errors
-    /// The driver fails.
-    pub fn run(&mut self, seed: u32, samples: u64) -> Result<Run, GpuError> {
+    /// It was stopped, or the driver fails.
+    pub fn run(&mut self, seed: u32, samples: u64, stop: &dyn Fn() -> bool) -> Result<Run, Halt> {
         let session = &mut self.session;
         session.restart(seed, self.estimator.sampler.pattern(samples))?;
         let start = Instant::now();
         let mut passes = 0;
         while session.samples() < samples {
-            session.pass(session.pass_samples(samples - session.samples()), || false)?;
+            let pass = session.pass_samples(samples - session.samples());
+            if session.pass(pass, stop)? == StopReason::Interrupted {
+                return Err(Halt::Stopped);
+            }
             passes += 1;
         }
         let seconds = start.elapsed().as_secs_f64();

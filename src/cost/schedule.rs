@@ -2,11 +2,12 @@
 
 use super::error::{Errors, ImageError, rel_mse, relative_errors};
 use super::estimator::{self, Estimator, NotApplicable};
+use super::halt::Halt;
 use super::measures::{Point, time_spread};
 use super::reference::{self, Reference, Source};
 use super::runner::{Replicates, Runner, Seeds, prepare};
 use super::{EqualTime, Progress, SceneCost, Settings};
-use crate::error::{Error, GpuError};
+use crate::error::Error;
 use crate::gpu::Context;
 use crate::scene::{Sampler, Scene, Strategy};
 
@@ -20,8 +21,8 @@ const REPLICATES: u32 = 2;
 const MAX_REPLICATES: usize = 64;
 /// Fewest numbers of samples that a slope is told from: 1, 2 and 4.
 const MIN_COUNTS: u32 = 3;
-/// Logarithm of the largest number of samples.
-const MAX_LOG_SAMPLES: u32 = 16;
+/// Largest number of samples.
+const MAX_SAMPLES: u64 = 1 << 16;
 
 /// All estimators of one scene, at work.
 pub(super) struct Work<'a, 's> {
@@ -34,6 +35,20 @@ pub(super) struct Work<'a, 's> {
     pub(super) seeds: Seeds,
     /// Seconds of rendering so far.
     pub(super) spent: f64,
+    /// Whether to end.
+    stop: &'s dyn Fn() -> bool,
+}
+
+/// What a result is told from.
+pub(super) struct Measured {
+    /// Per estimator the points.
+    pub(super) curves: Vec<Vec<Point>>,
+    /// Seconds that an image at equal time takes.
+    pub(super) equal_seconds: f64,
+    /// Per estimator the image; none once it was interrupted.
+    pub(super) equal_time: Vec<Option<EqualTime>>,
+    /// Whether it was.
+    pub(super) interrupted: bool,
 }
 
 /// See [`super::measure`].
@@ -42,9 +57,11 @@ pub fn measure(
     scene: &Scene,
     settings: &Settings,
     progress: Progress<'_>,
-) -> Result<SceneCost, Error> {
+    stop: &dyn Fn() -> bool,
+) -> Result<SceneCost, Halt> {
     let given = given_reference(scene, settings)?;
-    let mut work = Work::compile(context, scene, settings, given.is_none(), progress)?;
+    let mut work = Work::new(scene, settings, stop);
+    work.compile(context, given.is_none(), progress)?;
     work.pilot()?;
     work.check_budget()?;
     let (reference, source) = match given {
@@ -56,14 +73,13 @@ pub fn measure(
     };
     if reference.is_black() {
         let source = scene.source.display();
-        return Err(Error::Usage(format!(
+        let message = format!(
             "{source}: the reference is black; relative errors need an image with light in it"
-        )));
+        );
+        return Err(Error::Usage(message).into());
     }
-    let curves = work.curves(&reference, progress)?;
-    progress("images at equal time", work.spent);
-    let (equal_seconds, equal) = work.equal_time(&reference)?;
-    Ok(work.finish(reference, source, &curves, equal_seconds, equal))
+    let measured = work.measure(&reference, progress)?;
+    Ok(work.finish(reference, source, measured))
 }
 
 /// The reference that there is before anything is rendered.
@@ -83,14 +99,8 @@ fn given_reference(
 }
 
 impl<'a, 's> Work<'a, 's> {
-    fn compile(
-        context: &'a Context,
-        scene: &'s Scene,
-        settings: &'s Settings,
-        own_reference: bool,
-        progress: Progress<'_>,
-    ) -> Result<Self, Error> {
-        let mut work = Self {
+    fn new(scene: &'s Scene, settings: &'s Settings, stop: &'s dyn Fn() -> bool) -> Self {
+        Self {
             scene,
             settings,
             runners: Vec::new(),
@@ -98,20 +108,33 @@ impl<'a, 's> Work<'a, 's> {
             not_applicable: Vec::new(),
             seeds: Seeds::new(settings.seed),
             spent: 0.0,
-        };
+            stop,
+        }
+    }
+
+    fn compile(
+        &mut self,
+        context: &'a Context,
+        own_reference: bool,
+        progress: Progress<'_>,
+    ) -> Result<(), Halt> {
+        let (scene, settings) = (self.scene, self.settings);
         for &estimator in &settings.estimators {
+            if (self.stop)() {
+                return Err(Halt::Stopped);
+            }
             progress(&format!("compiling {estimator}"), 0.0);
             let prepared = prepare(scene, estimator);
             if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
-                work.not_applicable
+                self.not_applicable
                     .push(NotApplicable { estimator, reason });
                 continue;
             }
             let runner = Runner::new(context, &prepared, scene.film, estimator)?;
-            work.runners.push(runner);
+            self.runners.push(runner);
         }
-        if work.runners.is_empty() {
-            let reasons = work.not_applicable.iter();
+        if self.runners.is_empty() {
+            let reasons = self.not_applicable.iter();
             let reasons: Vec<_> = reasons
                 .map(|n| format!("{}: {}", n.estimator, n.reason))
                 .collect();
@@ -119,7 +142,8 @@ impl<'a, 's> Work<'a, 's> {
                 "{}: no estimator is applicable: {}",
                 scene.source.display(),
                 reasons.join("; ")
-            )));
+            ))
+            .into());
         }
         if own_reference {
             let estimator = Estimator {
@@ -129,16 +153,16 @@ impl<'a, 's> Work<'a, 's> {
             };
             progress("compiling the reference", 0.0);
             let prepared = prepare(scene, estimator);
-            work.own = Some(Runner::new(context, &prepared, scene.film, estimator)?);
+            self.own = Some(Runner::new(context, &prepared, scene.film, estimator)?);
         }
-        Ok(work)
+        Ok(())
     }
 
     /// Renders one sample per pixel twice: the first run warms up, the second tells how fast each estimator is.
-    fn pilot(&mut self) -> Result<(), GpuError> {
+    fn pilot(&mut self) -> Result<(), Halt> {
         for _ in 0..2 {
             for runner in self.runners.iter_mut().chain(&mut self.own) {
-                self.spent += runner.run(self.seeds.draw(), 1)?.seconds;
+                self.spent += runner.run(self.seeds.draw(), 1, self.stop)?.seconds;
             }
         }
         Ok(())
@@ -149,13 +173,13 @@ impl<'a, 's> Work<'a, 's> {
         self.runners.iter().map(|r| r.seconds_per_count).sum()
     }
 
-    fn reference_budget(&self) -> f64 {
-        let share = if self.own.is_some() {
+    /// Part of the budget for the reference.
+    fn reference_share(&self) -> f64 {
+        if self.own.is_some() {
             REFERENCE_SHARE
         } else {
             0.0
-        };
-        share * self.settings.budget
+        }
     }
 
     /// Seconds that the curves may take, together with what has been spent before them.
@@ -167,12 +191,8 @@ impl<'a, 's> Work<'a, 's> {
     fn check_budget(&self) -> Result<(), Error> {
         let samples = f64::from(REPLICATES) * f64::from((1_u32 << MIN_COUNTS) - 1);
         let curves = samples * self.seconds_per_count();
-        let share = if self.own.is_some() {
-            REFERENCE_SHARE
-        } else {
-            0.0
-        };
-        let mut needed = (self.spent + curves) / (1.0 - EQUAL_TIME_SHARE - share);
+        let share = 1.0 - EQUAL_TIME_SHARE - self.reference_share();
+        let mut needed = (self.spent + curves) / share;
         if let Some(own) = &self.own {
             // Two halves of eight times as many samples as the curves' largest count.
             let largest = f64::from(1_u32 << (MIN_COUNTS - 1));
@@ -197,17 +217,17 @@ impl<'a, 's> Work<'a, 's> {
     }
 
     /// Two independent halves, of as many samples as the share pays for.
-    fn render_reference(&mut self) -> Result<(Reference, Source), Error> {
-        let budget = self.reference_budget();
+    fn render_reference(&mut self) -> Result<(Reference, Source), Halt> {
+        let budget = self.reference_share() * self.settings.budget;
         let runner = self.own.as_mut().expect("compiled when none is given");
         // More exact than the pilot, where what a run takes besides its samples counts.
-        self.spent += runner.run(self.seeds.draw(), 8)?.seconds;
+        self.spent += runner.run(self.seeds.draw(), 8, self.stop)?.seconds;
         let affordable = (0.5 * budget / runner.seconds_per_count).max(1.0) as u64;
         // Sobol's points are best in powers of two and sums of two neighbouring ones.
         let half = affordable.min(1 << 20);
         let half = half & (0b11 << half.ilog2().saturating_sub(1));
-        let a = runner.run(self.seeds.draw(), half)?;
-        let b = runner.run(self.seeds.draw(), half)?;
+        let a = runner.run(self.seeds.draw(), half, self.stop)?;
+        let b = runner.run(self.seeds.draw(), half, self.stop)?;
         let seconds = a.seconds + b.seconds;
         let source = Source::OwnRun {
             estimator: runner.estimator,
@@ -219,66 +239,93 @@ impl<'a, 's> Work<'a, 's> {
         Ok((Reference::from_halves(&a.film, &b.film), source))
     }
 
-    /// Errors at growing numbers of samples; per estimator its points.
+    /// The curves, then the images at equal time: as far as it gets.
+    fn measure(&mut self, reference: &Reference, progress: Progress<'_>) -> Result<Measured, Halt> {
+        let (curves, mut interrupted) = self.curves(reference, progress)?;
+        let share = EQUAL_TIME_SHARE * self.settings.budget / self.runners.len() as f64;
+        let slowest = self.runners.iter().map(|r| r.seconds_per_count);
+        let equal_seconds = slowest.fold(share, f64::max);
+        progress("images at equal time", self.spent);
+        let mut equal_time = Vec::new();
+        for i in 0..self.runners.len() {
+            let image = match self.equal_time(i, equal_seconds, reference) {
+                Ok(image) => Some(image),
+                Err(Halt::Stopped) => None,
+                Err(failed) => return Err(failed),
+            };
+            interrupted |= image.is_none();
+            equal_time.push(image);
+        }
+        Ok(Measured {
+            curves,
+            equal_seconds,
+            equal_time,
+            interrupted,
+        })
+    }
+
+    /// Errors at growing numbers of samples, per estimator its points; and whether it was interrupted.
     fn curves(
         &mut self,
         reference: &Reference,
         progress: Progress<'_>,
-    ) -> Result<Vec<Vec<Point>>, Error> {
+    ) -> Result<(Vec<Vec<Point>>, bool), Halt> {
         let mut finished: Vec<Vec<(Replicates, ImageError)>> =
             self.runners.iter().map(|_| Vec::new()).collect();
-        let mut round = 0_usize;
-        for log in 0..=MAX_LOG_SAMPLES {
-            let samples = 1_u64 << log;
+        let (mut samples, mut turns) = (1, 0);
+        loop {
             let mut current = self.empty(samples);
-            let doubled = |work: &Self| {
-                work.seconds_per_count() * (f64::from(REPLICATES) * 2.0 * samples as f64)
-            };
-            for _ in 0..REPLICATES {
-                progress(&format!("{samples} samples per pixel"), self.spent);
-                self.turn(&mut current, reference, round)?;
-                round += 1;
+            let next = self.count(&mut current, reference, &mut turns, progress);
+            let interrupted = matches!(next, Err(Halt::Stopped));
+            let complete = |of_one: &Replicates| of_one.errors.replicates() >= REPLICATES;
+            if current.iter().all(complete) {
+                for (finished, mut current) in finished.iter_mut().zip(current) {
+                    let error = current.errors.finish(reference);
+                    // The sums are large, and done with.
+                    current.errors = Errors::new(self.scene.film, Sampler::BlueNoise);
+                    finished.push((current, error));
+                }
             }
-            let last = log + 1 >= MIN_COUNTS
-                && (self.spent + doubled(self) > self.curves_until() || log == MAX_LOG_SAMPLES);
-            if last {
-                self.fill_up(&mut current, reference, round, progress)?;
+            if interrupted && finished[0].len() < MIN_COUNTS as usize {
+                return Err(Halt::Stopped);
             }
-            for (finished, mut current) in finished.iter_mut().zip(current) {
-                let error = current.errors.finish(reference);
-                // The sums are large, and done with.
-                current.errors = Errors::new(self.scene.film, Sampler::BlueNoise);
-                finished.push((current, error));
+            if interrupted || !next? {
+                let curves = finished.iter().map(|of_one| points(of_one)).collect();
+                return Ok((curves, interrupted));
             }
-            if last {
-                break;
-            }
+            samples *= 2;
         }
-        Ok(finished.iter().map(|of_one| points(of_one)).collect())
     }
 
-    /// Spends what is left for the curves on more images of the largest count.
-    fn fill_up(
+    /// Images of one number of samples: as many as there have to be, and where the budget does not pay for twice that
+    /// number, as many as it pays for. Whether it does.
+    fn count(
         &mut self,
         current: &mut [Replicates],
         reference: &Reference,
-        mut round: usize,
+        turns: &mut usize,
         progress: Progress<'_>,
-    ) -> Result<(), GpuError> {
+    ) -> Result<bool, Halt> {
         let samples = current[0].samples;
+        for _ in 0..REPLICATES {
+            progress(&format!("{samples} samples per pixel"), self.spent);
+            self.turn(current, reference, turns)?;
+        }
+        let doubled = f64::from(REPLICATES) * 2.0 * samples as f64 * self.seconds_per_count();
+        let affordable = self.spent + doubled <= self.curves_until();
+        if samples < 1 << (MIN_COUNTS - 1) || affordable && samples < MAX_SAMPLES {
+            return Ok(true);
+        }
         for image in current[0].seconds.len() + 1..=MAX_REPLICATES {
             let next = self.seconds_per_count() * samples as f64;
             if self.spent + next > self.curves_until() {
                 break;
             }
-            progress(
-                &format!("{samples} samples per pixel, image {image}"),
-                self.spent,
-            );
-            self.turn(current, reference, round)?;
-            round += 1;
+            let what = format!("{samples} samples per pixel, image {image}");
+            progress(&what, self.spent);
+            self.turn(current, reference, turns)?;
         }
-        Ok(())
+        Ok(false)
     }
 
     fn empty(&self, samples: u64) -> Vec<Replicates> {
@@ -295,40 +342,41 @@ impl<'a, 's> Work<'a, 's> {
         &mut self,
         current: &mut [Replicates],
         reference: &Reference,
-        round: usize,
-    ) -> Result<(), GpuError> {
+        turns: &mut usize,
+    ) -> Result<(), Halt> {
         let count = self.runners.len();
-        for i in (0..count).map(|i| (i + round) % count) {
-            let run = self.runners[i].run(self.seeds.draw(), current[i].samples)?;
+        for i in (0..count).map(|i| (i + *turns) % count) {
+            let samples = current[i].samples;
+            let run = self.runners[i].run(self.seeds.draw(), samples, self.stop)?;
             self.spent += run.seconds;
             current[i].seconds.push(run.seconds);
             current[i].errors.add(&run.film, reference);
         }
+        *turns += 1;
         Ok(())
     }
 
-    /// One image by every estimator, all of about the same time.
-    fn equal_time(&mut self, reference: &Reference) -> Result<(f64, Vec<EqualTime>), GpuError> {
-        let share = EQUAL_TIME_SHARE * self.settings.budget / self.runners.len() as f64;
-        let slowest = self.runners.iter().map(|r| r.seconds_per_count);
-        let seconds = slowest.fold(share, f64::max);
-        let mut images = Vec::new();
-        for runner in &mut self.runners {
-            let samples = (seconds / runner.seconds_per_count).round().max(1.0) as u64;
-            let run = runner.run(self.seeds.draw(), samples)?;
-            self.spent += run.seconds;
-            images.push(EqualTime {
-                samples,
-                seconds: run.seconds,
-                passes: run.passes,
-                rays: run.rays,
-                rays_per_second: run.rays.total() as f64 / run.seconds,
-                rel_mse: rel_mse(&run.film, reference),
-                relative_errors: relative_errors(&run.film, reference),
-                film: run.film,
-            });
-        }
-        Ok((seconds, images))
+    /// An image by estimator `i` of about `seconds`.
+    fn equal_time(
+        &mut self,
+        i: usize,
+        seconds: f64,
+        reference: &Reference,
+    ) -> Result<EqualTime, Halt> {
+        let runner = &mut self.runners[i];
+        let samples = (seconds / runner.seconds_per_count).round().max(1.0) as u64;
+        let run = runner.run(self.seeds.draw(), samples, self.stop)?;
+        self.spent += run.seconds;
+        Ok(EqualTime {
+            samples,
+            seconds: run.seconds,
+            passes: run.passes,
+            rays: run.rays,
+            rays_per_second: run.rays.total() as f64 / run.seconds,
+            rel_mse: rel_mse(&run.film, reference),
+            relative_errors: relative_errors(&run.film, reference),
+            film: run.film,
+        })
     }
 }
 

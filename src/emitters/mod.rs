@@ -92,7 +92,11 @@ impl Emitters {
                 power.push(of_environment);
                 lights.push(Emitter::Environment);
                 if let EnvironmentRadiance::Map(map) = &environment.radiance {
-                    grid = EnvironmentGrid::new(map);
+                    grid = if scene.render.mis_compensation && strategy.is_mis() {
+                        EnvironmentGrid::compensated(map)
+                    } else {
+                        EnvironmentGrid::new(map)
+                    };
                 }
             }
         }

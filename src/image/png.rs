@@ -1,6 +1,6 @@
 //! 8-bit sRGB images.
 
-use super::tone::{ToneMapper, srgb};
+use super::tone::{ToneMapper, srgb_8_bit};
 use super::write_atomically;
 use crate::error::Error;
 use crate::render::Film;
@@ -17,11 +17,15 @@ pub struct Display {
 }
 
 impl Display {
+    /// Linear display values, in [0, 1], of linear radiance.
+    pub fn linear(&self, radiance: [f64; 3]) -> [f64; 3] {
+        let factor = self.exposure.exp2();
+        self.tone.map(radiance.map(|x| x * factor))
+    }
+
     /// 8-bit sRGB of linear radiance.
     pub fn encode(&self, radiance: [f64; 3]) -> [u8; 3] {
-        let factor = self.exposure.exp2();
-        let mapped = self.tone.map(radiance.map(|x| x * factor));
-        mapped.map(|x| (srgb(x) * 255.0).round() as u8)
+        self.linear(radiance).map(srgb_8_bit)
     }
 }
 

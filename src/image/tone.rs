@@ -37,6 +37,11 @@ pub fn srgb(linear: f64) -> f64 {
     }
 }
 
+/// The same in 8 bits.
+pub fn srgb_8_bit(linear: f64) -> u8 {
+    (srgb(linear) * 255.0).round() as u8
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -387,7 +387,9 @@ fn add_plots(plots: &mut Vec<Plot>, estimator: &Estimator, found: &[Moments], co
     });
 }
 
-/// What comes before a name's first comma or colon.
+/// A name without its density and what it estimates.
 fn short_name(name: &str) -> &str {
-    name.split([',', ':']).next().unwrap_or(name)
+    let ends = [", p = ", ", for ", ": "].iter();
+    let end = ends.filter_map(|end| name.find(end)).min();
+    &name[..end.unwrap_or(name.len())]
 }

@@ -1,7 +1,9 @@
-//! Small line plots as SVG: both axes linear or logarithmic, colours that also differ in lightness, no scripts.
+//! Line plots: both axes linear or logarithmic.
 
+use crate::drawing::frame::Area;
+use crate::drawing::scale::Scale;
+use crate::drawing::svg::{Anchor, SERIES, Svg};
 use serde::Serialize;
-use std::fmt::Write;
 
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -26,7 +28,7 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
     /// How they are drawn.
     pub mark: Mark,
-    /// Index of the colour; series that belong together share one.
+    /// Number of the colour; series that belong together share one.
     pub colour: usize,
 }
 
@@ -45,118 +47,50 @@ pub struct Plot {
     pub series: Vec<Series>,
 }
 
-const WIDTH: f64 = 720.0;
-const HEIGHT: f64 = 440.0;
-const LEFT: f64 = 72.0;
-const RIGHT: f64 = 190.0;
-const TOP: f64 = 40.0;
-const BOTTOM: f64 = 52.0;
-/// Okabe & Ito 2008: told apart by colour-blind readers as well; then four more.
-const COLOURS: [&str; 12] = [
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#666666", "#a08800",
-    "#000000", "#7b3294", "#8b4513", "#88a0b0",
-];
-
-/// One axis: values to pixels.
-struct Axis {
-    low: f64,
-    high: f64,
-    logarithmic: bool,
-    from: f64,
-    to: f64,
-}
-
-impl Axis {
-    fn new(values: impl Iterator<Item = f64>, logarithmic: bool, (from, to): (f64, f64)) -> Self {
-        let scaled = values.map(|v| if logarithmic { v.log10() } else { v });
-        let (low, high) = scaled.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| {
-            (l.min(v), h.max(v))
-        });
-        let (low, high) = match (low.is_finite() && high.is_finite(), high > low) {
-            (true, true) => (low, high),
-            (true, false) => (low - 0.5, low + 0.5),
-            _ => (0.0, 1.0),
-        };
-        let (low, high) = if logarithmic {
-            (low.floor(), high.ceil())
-        } else {
-            (low, high)
-        };
-        Self {
-            low,
-            high,
-            logarithmic,
-            from,
-            to,
-        }
-    }
-
-    fn place(&self, value: f64) -> f64 {
-        let v = if self.logarithmic {
-            value.log10()
-        } else {
-            value
-        };
-        self.from + (v - self.low) / (self.high - self.low) * (self.to - self.from)
-    }
-
-    /// Places and labels of the ticks.
-    fn ticks(&self) -> Vec<(f64, String)> {
-        if self.logarithmic {
-            let step = ((self.high - self.low) / 8.0).ceil().max(1.0);
-            let count = ((self.high - self.low) / step).floor() as i32;
-            return (0..=count)
-                .map(|i| (self.low + f64::from(i) * step) as i32)
-                .map(|power| {
-                    let label = format!("10<tspan dy=\"-5\" font-size=\"9\">{power}</tspan>");
-                    (self.place(10_f64.powi(power)), label)
-                })
-                .collect();
-        }
-        let raw = (self.high - self.low) / 6.0;
-        let power = 10_f64.powf(raw.log10().floor());
-        let steps = [1.0, 2.0, 5.0, 10.0].map(|s| s * power);
-        let step = steps.into_iter().find(|&s| s >= raw).unwrap_or(raw);
-        let decimals = (-step.log10().floor()).max(0.0) as usize;
-        let first = (self.low / step - 1e-9).ceil() as i64;
-        let last = (self.high / step + 1e-9).floor() as i64;
-        (first..=last)
-            .map(|i| i as f64 * step)
-            .map(|v| (self.place(v), format!("{v:.decimals$}")))
-            .collect()
-    }
-}
+const WIDTH: f64 = 960.0;
+const HEIGHT: f64 = 560.0;
+const AREA: Area = Area {
+    left: 84.0,
+    right: 690.0,
+    top: 52.0,
+    bottom: 488.0,
+};
+/// Distance of the legend's lines.
+const LEGEND_STEP: f64 = 25.0;
+/// Columns are at most so wide, in pixels.
+const COLUMN: f64 = 40.0;
 
 impl Plot {
-    /// The SVG, complete in itself, on white ground.
-    pub fn svg(&self) -> String {
+    /// The plot, drawn.
+    pub fn draw(&self) -> Svg {
         let shown: Vec<Series> = self.series.iter().map(|s| self.shown(s)).collect();
         let points = || shown.iter().flat_map(|s| s.points.iter());
-        let x = Axis::new(
-            points().map(|p| p.0),
-            self.logarithmic,
-            (LEFT, WIDTH - RIGHT),
-        );
-        // Columns and curves of linear plots stand on zero.
-        let zero = (!self.logarithmic).then_some(0.0);
-        let y = Axis::new(
-            points().map(|p| p.1).chain(zero),
-            self.logarithmic,
-            (HEIGHT - BOTTOM, TOP),
-        );
-        let mut out = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" \
-             height=\"{HEIGHT}\" font-family=\"sans-serif\" font-size=\"12\">\n\
-             <title>{}</title>\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n",
-            escape(&self.title)
-        );
-        self.frame(&mut out, &x, &y);
+        let (x, y) = if self.logarithmic {
+            (
+                Scale::logarithmic(points().map(|p| p.0), AREA.across()),
+                Scale::logarithmic(points().map(|p| p.1), AREA.upwards()),
+            )
+        } else {
+            let ends = shown.iter().flat_map(Series::ends);
+            // Columns and curves stand on zero.
+            let heights = points().map(|p| p.1).chain([0.0]);
+            (
+                Scale::linear(ends, AREA.across()),
+                Scale::linear(heights, AREA.upwards()),
+            )
+        };
+        let mut svg = Svg::new(WIDTH, HEIGHT, &self.title);
+        let middle = 0.5 * (AREA.left + AREA.right);
+        svg.text((middle, 30.0), 19.0, Anchor::Middle, "ink", &self.title);
+        AREA.draw(&mut svg, [&self.axes[0], &self.axes[1]], &x, &y);
         for series in &shown {
-            draw(&mut out, series, &x, &y);
+            series.draw(&mut svg, &x, &y);
         }
-        legend(&mut out, &shown);
-        out.push_str("</svg>\n");
-        out
+        let named = shown.iter().filter(|s| !s.name.is_empty());
+        for (i, series) in named.enumerate() {
+            series.name_at(&mut svg, AREA.top + 10.0 + LEGEND_STEP * i as f64);
+        }
+        svg
     }
 
     /// The points that the axes can show.
@@ -168,111 +102,75 @@ impl Plot {
             ..series.clone()
         }
     }
-
-    fn frame(&self, out: &mut String, x: &Axis, y: &Axis) {
-        let (bottom, right) = (HEIGHT - BOTTOM, WIDTH - RIGHT);
-        for (place, label) in x.ticks() {
-            let _ = writeln!(
-                out,
-                "<path d=\"M{place:.1} {TOP}V{bottom}\" stroke=\"#e4e4e4\"/>\
-                 <text x=\"{place:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>",
-                bottom + 18.0
-            );
-        }
-        for (place, label) in y.ticks() {
-            let _ = writeln!(
-                out,
-                "<path d=\"M{LEFT} {place:.1}H{right}\" stroke=\"#e4e4e4\"/>\
-                 <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>",
-                LEFT - 8.0,
-                place + 4.0
-            );
-        }
-        let middle = 0.5 * (LEFT + right);
-        let _ = writeln!(
-            out,
-            "<path d=\"M{LEFT} {TOP}V{bottom}H{right}\" fill=\"none\" stroke=\"#333333\"/>\n\
-             <text x=\"{middle:.1}\" y=\"24\" text-anchor=\"middle\" font-size=\"14\">{}</text>\n\
-             <text x=\"{middle:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}</text>\n\
-             <text transform=\"translate(18 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            escape(&self.title),
-            HEIGHT - 12.0,
-            escape(&self.axes[0]),
-            0.5 * (TOP + bottom),
-            escape(&self.axes[1]),
-        );
-    }
 }
 
-fn draw(out: &mut String, series: &Series, x: &Axis, y: &Axis) {
-    let colour = COLOURS[series.colour % COLOURS.len()];
-    let places: Vec<(f64, f64)> = series
-        .points
-        .iter()
-        .map(|p| (x.place(p.0), y.place(p.1)))
-        .collect();
-    if series.mark == Mark::Columns {
-        let gap = places.windows(2).map(|w| w[1].0 - w[0].0);
-        let width = gap.fold(f64::INFINITY, f64::min).min(40.0) * 0.9;
-        let bottom = y.from;
-        for (px, py) in places {
-            let _ = writeln!(
-                out,
-                "<rect x=\"{:.1}\" y=\"{py:.1}\" width=\"{width:.1}\" height=\"{:.1}\" fill=\"{colour}\" fill-opacity=\"0.35\"/>",
-                px - 0.5 * width,
-                (bottom - py).max(0.0)
-            );
-        }
-        return;
+impl Series {
+    fn colour(&self) -> usize {
+        self.colour % SERIES
     }
-    let mut path = String::new();
-    for (i, (px, py)) in places.iter().enumerate() {
-        let _ = write!(path, "{}{px:.1} {py:.1}", if i == 0 { "M" } else { "L" });
-    }
-    let dash = if series.mark == Mark::Dashed {
-        " stroke-dasharray=\"5 4\""
-    } else {
-        ""
-    };
-    let _ = writeln!(
-        out,
-        "<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.6\"{dash}/>"
-    );
-    if series.mark == Mark::Dots {
-        for (px, py) in places {
-            let _ = writeln!(
-                out,
-                "<circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"3\" fill=\"{colour}\"/>"
-            );
-        }
-    }
-}
 
-fn legend(out: &mut String, series: &[Series]) {
-    let x = WIDTH - RIGHT + 14.0;
-    for (i, s) in series.iter().filter(|s| !s.name.is_empty()).enumerate() {
-        let y = TOP + 10.0 + 18.0 * i as f64;
-        let colour = COLOURS[s.colour % COLOURS.len()];
-        let dash = if s.mark == Mark::Dashed {
-            " stroke-dasharray=\"5 4\""
-        } else {
-            ""
+    fn dashes(&self) -> &'static str {
+        if self.mark == Mark::Dashed { "7 5" } else { "" }
+    }
+
+    /// Where it begins and ends in x; columns are as wide as they are apart.
+    fn ends(&self) -> Vec<f64> {
+        let xs = || self.points.iter().map(|p| p.0);
+        let half = match self.mark {
+            Mark::Columns => 0.5 * least_gap(xs()).unwrap_or(0.0),
+            _ => 0.0,
         };
-        let _ = writeln!(
-            out,
-            "<path d=\"M{x} {y}h20\" stroke=\"{colour}\" stroke-width=\"2.5\"{dash}/>\
-             <text x=\"{}\" y=\"{}\">{}</text>",
-            x + 26.0,
-            y + 4.0,
-            escape(&s.name)
+        xs().flat_map(|x| [x - half, x + half]).collect()
+    }
+
+    fn draw(&self, svg: &mut Svg, x: &Scale, y: &Scale) {
+        let places = self.points.iter().map(|p| (x.at(p.0), y.at(p.1)));
+        let places: Vec<_> = places.collect();
+        if self.mark == Mark::Columns {
+            self.draw_columns(svg, &places);
+            return;
+        }
+        let extra = format!(
+            r#"stroke-width="2.2" stroke-linejoin="round" stroke-dasharray="{}""#,
+            self.dashes()
         );
+        svg.polyline(&places, &format!("s{}", self.colour()), &extra);
+        if self.mark == Mark::Dots {
+            for at in places {
+                svg.mark(at, 0, self.colour());
+            }
+        }
+    }
+
+    fn draw_columns(&self, svg: &mut Svg, places: &[(f64, f64)]) {
+        let gap = least_gap(places.iter().map(|p| p.0));
+        let width = 0.9 * gap.unwrap_or(COLUMN).min(COLUMN);
+        let class = format!("f{}", self.colour());
+        for (x, y) in places {
+            let size = (width, AREA.bottom - y);
+            let at = (x - 0.5 * width, *y);
+            svg.rectangle(at, size, &class, r#"fill-opacity="0.35""#);
+        }
+    }
+
+    /// A line of the legend.
+    fn name_at(&self, svg: &mut Svg, y: f64) {
+        let x = AREA.right + 16.0;
+        let extra = format!(r#"stroke-width="3" stroke-dasharray="{}""#, self.dashes());
+        svg.line(
+            (x, y),
+            (x + 26.0, y),
+            &format!("s{}", self.colour()),
+            &extra,
+        );
+        svg.text((x + 34.0, y + 5.5), 16.0, Anchor::Start, "ink", &self.name);
     }
 }
 
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
+/// The least distance of neighbours among rising `values`; none where there are fewer than two.
+fn least_gap(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let pairs = values.clone().zip(values.skip(1));
+    pairs.map(|(a, b)| b - a).reduce(f64::min)
 }
 
 #[cfg(test)]
@@ -296,11 +194,19 @@ mod tests {
 
     #[test]
     fn points_lie_in_the_frame_and_text_is_escaped() {
-        let svg = plot(true, &[(1.0, 0.1), (100.0, 0.001), (10.0, 0.0)]).svg();
+        let svg = plot(true, &[(1.0, 0.1), (100.0, 0.001), (10.0, 0.0)])
+            .draw()
+            .inline();
         // The value that has no logarithm is left out.
         assert_eq!(svg.matches("<circle").count(), 2);
         assert!(svg.contains("a &lt; b") && svg.contains("s &amp; t"));
-        assert!(svg.contains(&format!("cx=\"{LEFT:.1}\" cy=\"{TOP:.1}\"")));
+        for (attribute, low, high) in [("cx", AREA.left, AREA.right), ("cy", AREA.top, AREA.bottom)]
+        {
+            let start = format!("{attribute}=\"");
+            let values = svg.split(&start).skip(1);
+            let values = values.map(|v| v.split('"').next().unwrap().parse::<f64>().unwrap());
+            assert!(values.into_iter().all(|v| low < v && v < high), "{svg}");
+        }
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
     }
 
@@ -308,7 +214,7 @@ mod tests {
     fn degenerate_plots_are_drawn() {
         for points in [&[][..], &[(1.0, 1.0)][..], &[(1.0, 0.0), (2.0, 0.0)][..]] {
             for logarithmic in [false, true] {
-                let svg = plot(logarithmic, points).svg();
+                let svg = plot(logarithmic, points).draw().inline();
                 assert!(!svg.contains("NaN") && !svg.contains("inf"), "{points:?}");
             }
         }

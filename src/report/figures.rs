@@ -3,8 +3,8 @@
 use super::bars::{self, Bar};
 use super::chart::{self, Curve};
 use super::format::short;
-use super::svg::{SERIES, Svg};
 use crate::cost::{EstimatorCost, Point, SceneCost};
+use crate::drawing::svg::{SERIES, Svg};
 use crate::scene::{Sampler, Strategy};
 use clap::ValueEnum;
 

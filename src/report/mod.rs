@@ -1,8 +1,4 @@
 //! The report of `direkt cost`: a page that needs no network, its plots as SVG and PNG, a table as CSV.
-//!
-//! Plots are written as SVG by hand: their colours are classes, so that the page shows them light or dark, as the reader's
-//! system is set. The PNG files are drawn from the same SVG with a font that is compiled in: a machine without any fonts
-//! gets the same pictures.
 
 mod bars;
 mod chart;
@@ -12,24 +8,27 @@ pub mod format;
 pub mod machine;
 mod page;
 mod picture;
-mod raster;
-mod scale;
-mod svg;
 mod tables;
 
 pub use figures::ranked;
 
 use crate::cost::SceneCost;
+use crate::drawing::raster;
 use crate::error::Error;
 use crate::image::write_atomically;
 use machine::Machine;
 use std::path::Path;
 
-/// Writes the page and the plots into `folder`, which is made if need be.
+/// Writes the page and the plots into `folder`, which is made if need be. Scenes of `not_measured` are named as such.
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write(folder: &Path, costs: &[SceneCost], machine: &Machine) -> Result<(), Error> {
+pub fn write(
+    folder: &Path,
+    costs: &[SceneCost],
+    not_measured: &[String],
+    machine: &Machine,
+) -> Result<(), Error> {
     std::fs::create_dir_all(folder).map_err(|source| Error::Write {
         path: folder.to_path_buf(),
         source,
@@ -41,7 +40,7 @@ pub fn write(folder: &Path, costs: &[SceneCost], machine: &Machine) -> Result<()
             write_atomically(&path("png"), &raster::png(&figure.svg)?)?;
         }
     }
-    let page = page::html(costs, machine)?;
+    let page = page::html(costs, not_measured, machine)?;
     write_atomically(&folder.join("report.html"), page.as_bytes())
 }
 

@@ -4,17 +4,23 @@ use super::figures::{self, ranked};
 use super::format::{escape, grouped, number, range, seconds, short};
 use super::machine::Machine;
 use super::picture::{HEAT, heat, heat_map, radiance};
-use super::svg::adaptive_css;
 use super::tables::{equal_error, not_applicable, ranking, reached, vague};
 use crate::cost::reference::Source;
 use crate::cost::{EqualTime, EstimatorCost, Interval, SceneCost};
+use crate::drawing::svg::adaptive_css;
 use crate::error::Error;
 use crate::scene::FilmSize;
 
 const STYLE: &str = include_str!("style.css");
+/// Pixels per row that an image is shown with on a wide screen.
+const SHOWN_WIDTH: u32 = 304;
 
-/// The page for all scenes.
-pub fn html(costs: &[SceneCost], machine: &Machine) -> Result<String, Error> {
+/// The page for all scenes; those of `not_measured` are named.
+pub fn html(
+    costs: &[SceneCost],
+    not_measured: &[String],
+    machine: &Machine,
+) -> Result<String, Error> {
     let sections: Result<Vec<_>, _> = costs.iter().map(section).collect();
     let driver = &machine.adapter;
     Ok(format!(
@@ -22,7 +28,7 @@ pub fn html(costs: &[SceneCost], machine: &Machine) -> Result<String, Error> {
          <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>What accuracy costs in time</title>\n\
          <style>{STYLE}{}</style></head><body>\n<header><h1>What accuracy costs in time</h1>\n\
-         <p class=\"faint\">direct lighting by direkt {} on {}{}</p></header>\n<main>\n{}</main>\n{}</body></html>\n",
+         <p class=\"faint\">direct lighting by direkt {} on {}{}</p></header>\n<main>\n{}{}</main>\n{}</body></html>\n",
         adaptive_css(),
         escape(machine.direkt),
         escape(&driver.name),
@@ -32,15 +38,27 @@ pub fn html(costs: &[SceneCost], machine: &Machine) -> Result<String, Error> {
             ""
         },
         sections?.concat(),
+        interrupted_before(not_measured),
         footer(machine),
     ))
+}
+
+/// Which scenes there is no result of, in a sentence; empty where there are none.
+fn interrupted_before(not_measured: &[String]) -> String {
+    if not_measured.is_empty() {
+        return String::new();
+    }
+    let names: Vec<_> = not_measured.iter().map(|n| escape(n)).collect();
+    format!(
+        "<section><p>Interrupted before there was a result for {}.</p></section>\n",
+        names.join(", ")
+    )
 }
 
 fn section(cost: &SceneCost) -> Result<String, Error> {
     let [time, samples, efficiency] = figures::of(cost).map(|f| f.svg.inline());
     let (name, lead) = (escape(&cost.scene), lead(cost));
     let facts = facts(cost);
-    let equal = seconds(cost.equal_seconds);
     Ok(format!(
         "<section>\n<h2>{name}</h2>\n<p class=\"lead\">{lead}</p>\n<p class=\"faint\">{facts}</p>\n\
          <h3>Error against time</h3>\n<figure class=\"wide\">{time}</figure>\n\
@@ -48,14 +66,10 @@ fn section(cost: &SceneCost) -> Result<String, Error> {
          <h3>Error against samples</h3>\n<figure class=\"wide\">{samples}</figure>\n\
          <h3>Ranking</h3>\n{}<p class=\"faint\">= marks ties: estimators whose intervals of efficiency overlap. ≈ is \
          extrapolated along the fitted line. Intervals hold with 95 % confidence; slopes have standard errors.</p>\n{}\
-         <h3>What {equal} of rendering give</h3>\n<div class=\"images\">{}</div>\n\
-         <h3>Where the error is</h3>\n{}<div class=\"images\">{}</div>\n\
-         <h3>What the same error costs</h3>\n{}{}</section>\n",
+         {}<h3>What the same error costs</h3>\n{}{}</section>\n",
         ranking(cost),
         vague(cost),
-        images(cost)?,
-        heat_legend(),
-        heat_maps(cost)?,
+        equal_time(cost)?,
         equal_error(cost),
         not_applicable(cost),
     ))
@@ -141,11 +155,19 @@ fn facts(cost: &SceneCost) -> String {
         ),
     };
     format!(
-        "{} × {} pixels · {} primitives · {} of rendering · reference: {reference}; {own}",
+        "{} × {} pixels · {} primitives · {} of rendering{} · reference: {reference}; {own}",
         cost.width,
         cost.height,
         grouped(cost.primitives as f64),
         seconds(cost.seconds),
+        if cost.interrupted {
+            format!(
+                ", <b>interrupted</b> before the {} that were allowed",
+                seconds(cost.budget)
+            )
+        } else {
+            String::new()
+        },
     )
 }
 
@@ -156,11 +178,20 @@ fn size(cost: &SceneCost) -> FilmSize {
     }
 }
 
-/// What a lecture's slide says below an image.
+/// Class of images that are shown enlarged.
+fn pixels(cost: &SceneCost) -> &'static str {
+    if cost.width < SHOWN_WIDTH {
+        " class=\"pixels\""
+    } else {
+        ""
+    }
+}
+
+/// What a lecture's slide says below an image, in two lines.
 fn stamp(cost: &SceneCost, e: &EqualTime) -> String {
     let passes = if e.passes == 1 { "pass" } else { "passes" };
     format!(
-        "{}   {} {passes}\n{} primitives\n{:.1} M rays/s",
+        "{} · {} {passes} · {} primitives<br>{:.1} M rays/s",
         seconds(e.seconds),
         grouped(e.passes as f64),
         grouped(cost.primitives as f64),
@@ -168,38 +199,60 @@ fn stamp(cost: &SceneCost, e: &EqualTime) -> String {
     )
 }
 
+/// Estimators that have an image at equal time, with it, best first.
+fn at_equal_time(cost: &SceneCost) -> impl Iterator<Item = (&EstimatorCost, &EqualTime)> {
+    let ranked = ranked(cost).into_iter();
+    ranked.filter_map(|e| Some((e, e.equal_time.as_ref()?)))
+}
+
+/// Images at equal time and where their error is; empty where measuring ended before.
+fn equal_time(cost: &SceneCost) -> Result<String, Error> {
+    if at_equal_time(cost).next().is_none() {
+        return Ok(String::new());
+    }
+    Ok(format!(
+        "<h3>What {} of rendering give</h3>\n<div class=\"images\">{}</div>\n\
+         <h3>Where the error is</h3>\n{}<div class=\"images\">{}</div>\n",
+        seconds(cost.equal_seconds),
+        images(cost)?,
+        heat_legend(),
+        heat_maps(cost)?,
+    ))
+}
+
 fn images(cost: &SceneCost) -> Result<String, Error> {
     let mut out = String::new();
-    for estimator in ranked(cost) {
-        let e = &estimator.equal_time;
+    for (estimator, e) in at_equal_time(cost) {
         let image = radiance(size(cost), e.film.pixels.iter().map(|p| p.mean))?;
         let spp = grouped(e.samples as f64);
         out.push_str(&format!(
-            "<figure><div class=\"stamp\"><img alt=\"{name}\" src=\"{image}\"><span>{}</span></div>\
-             <figcaption><b>{name}</b>{spp} samples per pixel · relMSE {}</figcaption></figure>\n",
-            escape(&stamp(cost, e)),
+            "<figure><img{pixels} alt=\"{name}\" src=\"{image}\">\
+             <figcaption><b>{name}</b>relMSE {} · {spp} samples per pixel<br>{}</figcaption></figure>\n",
             number(e.rel_mse),
+            stamp(cost, e),
             name = escape(&estimator.name),
+            pixels = pixels(cost),
         ));
     }
     let image = radiance(size(cost), cost.reference_image.iter().copied())?;
     out.push_str(&format!(
-        "<figure><img alt=\"reference\" src=\"{image}\"><figcaption><b>reference</b></figcaption></figure>\n"
+        "<figure><img{pixels} alt=\"reference\" src=\"{image}\"><figcaption><b>reference</b></figcaption></figure>\n",
+        pixels = pixels(cost),
     ));
     Ok(out)
 }
 
 fn heat_maps(cost: &SceneCost) -> Result<String, Error> {
-    let figure = |estimator: &&EstimatorCost| {
-        let e = &estimator.equal_time;
+    let figure = |(estimator, e): (&EstimatorCost, &EqualTime)| {
         let image = heat_map(size(cost), &e.relative_errors)?;
         Ok(format!(
-            "<figure><img alt=\"error of {name}\" src=\"{image}\"><figcaption><b>{name}</b>{}</figcaption></figure>\n",
+            "<figure><img{pixels} alt=\"error of {name}\" src=\"{image}\"><figcaption><b>{name}</b>{}</figcaption></figure>\n",
             share(&e.relative_errors),
             name = escape(&estimator.name),
+            pixels = pixels(cost),
         ))
     };
-    let figures: Result<Vec<String>, Error> = ranked(cost).iter().map(figure).collect();
+    let figures: Result<Vec<String>, Error> = at_equal_time(cost).map(figure).collect();
     Ok(figures?.concat())
 }
 
@@ -269,7 +322,7 @@ fn footer(machine: &Machine) -> String {
     )
 }
 
-const DEFINITIONS: [(&str, &str); 8] = [
+const DEFINITIONS: [(&str, &str); 9] = [
     (
         "relMSE",
         "mean over pixels and channels of (x − r)² / (r² + 0.01·mean(r)²), x the image and r the reference, less the reference's own error where that is known",
@@ -295,8 +348,12 @@ const DEFINITIONS: [(&str, &str); 8] = [
         "1 plus the number of estimators whose interval of efficiency lies above; overlapping intervals are ties",
     ),
     (
+        "images",
+        "at equal time; those wider than the page shows them are reduced, by the mean of the light that a display shows of them, which makes their noise look smaller: relMSE is that of the whole image",
+    ),
+    (
         "heat maps",
-        "√ of each pixel's relative squared error, mean over channels, in the image at equal time",
+        "√ of each pixel's relative squared error, mean over channels, in the image at equal time; the root mean square of several pixels where they are reduced",
     ),
     (
         "curves",

@@ -63,6 +63,11 @@ impl Strategy {
             | Self::MisPower => true,
         }
     }
+
+    /// Whether both are done, and weighted so that each may leave out what the other finds.
+    pub fn is_mis(self) -> bool {
+        self.samples_lights() && self.samples_directions()
+    }
 }
 
 /// How a point of a light with a surface is chosen by the strategies `mis-balance` and `mis-power`.
@@ -179,6 +184,10 @@ pub struct RenderSettings {
     pub light_selection: LightSelection,
     /// How a point of a chosen light is chosen, where the strategy does not say.
     pub light_sampling: LightSampling,
+    /// Whether the strategies `mis-balance` and `mis-power` sample of an environment map only what is brighter than its mean,
+    /// and leave the rest to BSDF sampling (Karlík et al. 2019). Less noise under a sun in a broad sky; more where the sun
+    /// is hidden and only the sky shines. The other strategies do not depend on it.
+    pub mis_compensation: bool,
     /// How random numbers are made.
     pub sampler: Sampler,
     /// Samples per pixel, at least 1.
@@ -199,6 +208,7 @@ impl Default for RenderSettings {
             strategy: Strategy::default(),
             light_selection: LightSelection::default(),
             light_sampling: LightSampling::default(),
+            mis_compensation: false,
             sampler: Sampler::default(),
             spp: 64,
             time: None,

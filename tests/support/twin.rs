@@ -16,6 +16,15 @@ use glam::DVec3;
 /// add the rest).
 const ROUNDING: f64 = 2e-5;
 
+/// All mistakes but swapped sine and cosine, by which some means hardly change.
+pub const COMMON_MISTAKES: [BrokenTwin; 5] = [
+    BrokenTwin::PdfScaled,
+    BrokenTwin::WrongMeasure,
+    BrokenTwin::LightLeftOut,
+    BrokenTwin::MisWeights,
+    BrokenTwin::ExtraCosine,
+];
+
 /// Which light of a sample counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {

@@ -100,6 +100,22 @@ pub fn direct_lighting(
     }
 }
 
+/// The configuration factor of `shape` by cubature to a relative `tolerance`, for closed forms to be held against, and the
+/// bound of its error.
+#[cfg(test)]
+pub(super) fn factor_by_cubature(receiver: &Receiver, shape: Shape, tolerance: f64) -> (f64, f64) {
+    let light = AreaLight {
+        shape,
+        radiance: DVec3::ONE,
+        // Rounding may put a receiver on a sphere inside, where its closed form counts it as such.
+        two_sided: true,
+    };
+    let white = |_| DVec3::splat(std::f64::consts::FRAC_1_PI);
+    let tolerance = Tolerance::relative(tolerance);
+    let integral = direct_lighting(receiver, receiver.normal, white, &light, tolerance);
+    (integral.value.x, integral.error)
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::ggx::{Lobe, directional_albedo};

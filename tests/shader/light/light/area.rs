@@ -17,9 +17,26 @@ use direkt::scene::LightSampling;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Where a direction from `x` meets an area light, in coordinates of [0, 1]², and the density per unit of these that a
-/// density `pdf` per solid angle makes there.
-fn on_light(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> (DVec2, f64) {
+/// Where a direction meets an area light.
+struct OnLight {
+    /// In coordinates of [0, 1]².
+    at: DVec2,
+    /// Area per unit of these.
+    area: f64,
+    /// Squared distance.
+    d2: f64,
+    /// Cosine at the light.
+    cos: f64,
+}
+
+impl OnLight {
+    /// Solid angle per unit of the coordinates.
+    fn solid_angle(&self) -> f64 {
+        self.area * self.cos / self.d2
+    }
+}
+
+fn on_light(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> OnLight {
     let ray = Ray {
         origin: x,
         direction: wi,
@@ -29,7 +46,7 @@ fn on_light(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> (DVec2, f64) {
         | PrimitiveGeometry::Triangle { a, u, v }
         | PrimitiveGeometry::Disk { a, u, v } => {
             let hit = intersect_rectangle(&ray, a, u, v);
-            let (st, jacobian) = match geometry {
+            let (at, jacobian) = match geometry {
                 // (s/(1 − t), t).
                 PrimitiveGeometry::Triangle { .. } => (
                     DVec2::new(hit.st.x / (1.0 - hit.st.y), hit.st.y),
@@ -46,8 +63,12 @@ fn on_light(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> (DVec2, f64) {
                 _ => (hit.st, 1.0),
             };
             let normal = u.cross(v);
-            let solid_angle = (normal.dot(wi)).abs() / (hit.t * hit.t);
-            (st, solid_angle * jacobian)
+            OnLight {
+                at,
+                area: normal.length() * jacobian,
+                d2: hit.t * hit.t,
+                cos: normal.normalize().dot(wi).abs(),
+            }
         }
         PrimitiveGeometry::Sphere { center, radius } => {
             // A direction to the horizon may round past it.
@@ -58,12 +79,16 @@ fn on_light(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> (DVec2, f64) {
             let local = to_local(&axis, normal);
             // The cap that is seen: cosines above r/d.
             let horizon = radius / (x - center).length();
-            let p = DVec2::new(
+            let at = DVec2::new(
                 (local.z - horizon) / (1.0 - horizon),
                 (local.y.atan2(local.x) / TAU).rem_euclid(1.0),
             );
-            let area = radius * radius * TAU * (1.0 - horizon);
-            (p, area * -normal.dot(wi) / (t * t))
+            OnLight {
+                at,
+                area: radius * radius * TAU * (1.0 - horizon),
+                d2: t * t,
+                cos: -normal.dot(wi),
+            }
         }
     }
 }
@@ -120,7 +145,7 @@ fn directions_match_pdf(sampling: LightSampling) {
             let samples: Vec<DVec2> = wis
                 .iter()
                 .map(|wi| {
-                    let (p, _) = on_light(geometry, x, *wi);
+                    let p = on_light(geometry, x, *wi).at;
                     let inner = p.clamp(DVec2::ZERO, DVec2::ONE);
                     if (p - inner).length() < 1e-5 {
                         inner
@@ -134,11 +159,10 @@ fn directions_match_pdf(sampling: LightSampling) {
             let selection = prepared.emitters.probability(index as usize);
             let pdf = |p: DVec2, cosines: f64| {
                 let wi = towards(geometry, x, p);
-                let (_, to_solid_angle) = on_light(geometry, x, wi);
-                let (d2, cos) = distance_and_cosine(geometry, x, wi);
-                let pdf =
-                    pdf_area_light(&world, index, (x, &facing_z()), wi, d2, cos).0 / selection;
-                all * pdf * to_solid_angle * cos.powf(cosines)
+                let hit = on_light(geometry, x, wi);
+                let from = (x, &facing_z());
+                let pdf = pdf_area_light(&world, index, from, wi, hit.d2, hit.cos).0 / selection;
+                all * pdf * hit.solid_angle() * hit.cos.powf(cosines)
             };
             let what = format!(
                 "{sampling:?}, {geometry:?} from {x}, seed {seed}, {}",
@@ -154,7 +178,7 @@ fn directions_match_pdf(sampling: LightSampling) {
                     // The density per area, taken for that per solid angle.
                     BrokenTwin::WrongMeasure => test(&|p| {
                         let wi = towards(geometry, x, p);
-                        all * on_light(geometry, x, wi).1 / geometry.area()
+                        all * on_light(geometry, x, wi).solid_angle() / geometry.area()
                     }),
                     BrokenTwin::ExtraCosine => test(&|p| 1.5 * pdf(p, 1.0)),
                     // One light alone is sampled, and no BSDF.
@@ -167,24 +191,4 @@ fn directions_match_pdf(sampling: LightSampling) {
         }
     }
     assert_eq!(tested, 8, "four kinds from two points each");
-}
-
-/// Squared distance and cosine at the light.
-fn distance_and_cosine(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> (f64, f64) {
-    let ray = Ray {
-        origin: x,
-        direction: wi,
-    };
-    match *geometry {
-        PrimitiveGeometry::Rectangle { a, u, v }
-        | PrimitiveGeometry::Triangle { a, u, v }
-        | PrimitiveGeometry::Disk { a, u, v } => {
-            let t = intersect_rectangle(&ray, a, u, v).t;
-            (t * t, u.cross(v).normalize().dot(wi).abs())
-        }
-        PrimitiveGeometry::Sphere { center, radius } => {
-            let (t, _) = intersect_sphere(&ray, center, radius).expect("it is aimed at");
-            (t * t, -(x + t * wi - center).dot(wi) / radius)
-        }
-    }
 }

@@ -1,6 +1,6 @@
 //! Drawings as SVG: lines, shapes and text whose colours are classes.
 
-use super::format::{SUPERSCRIPTS, escape, superscript};
+use super::text::{SUPERSCRIPTS, escape};
 use std::fmt::Write;
 
 /// Colours of one theme.
@@ -13,7 +13,7 @@ struct Theme {
 }
 
 /// Different colours of curves.
-pub const SERIES: usize = 9;
+pub const SERIES: usize = 12;
 
 const LIGHT: Theme = Theme {
     paper: "#ffffff",
@@ -22,7 +22,7 @@ const LIGHT: Theme = Theme {
     grid: "#e3e6ec",
     series: [
         "#1764c8", "#d4570a", "#178243", "#b02a8f", "#c8202b", "#0b8490", "#6a48d0", "#8a5a22",
-        "#59616e",
+        "#59616e", "#7d8a00", "#1b2f6b", "#e0679b",
     ],
 };
 
@@ -33,7 +33,7 @@ const DARK: Theme = Theme {
     grid: "#2c323d",
     series: [
         "#6cb0ff", "#ff9d52", "#56d08b", "#f283cd", "#ff7d7d", "#4dd5de", "#ad98ff", "#d8a873",
-        "#b1bac6",
+        "#b1bac6", "#c9d64f", "#d0d8ff", "#ffb3cf",
     ],
 };
 
@@ -64,6 +64,11 @@ pub fn adaptive_css() -> String {
         css(&LIGHT),
         css(&DARK)
     )
+}
+
+/// Pixels that `text` takes at most in usual fonts, to leave room for it.
+pub fn room_for(text: &str, size: f64) -> f64 {
+    0.55 * size * text.chars().count() as f64
 }
 
 /// A drawing.
@@ -154,12 +159,6 @@ impl Svg {
     /// Text on a base line.
     pub fn text(&mut self, at: (f64, f64), size: f64, anchor: Anchor, class: &str, text: &str) {
         self.rich_text(at, size, anchor, class, &raised(&escape(text), size));
-    }
-
-    /// 10 to the power of `exponent`.
-    pub fn power(&mut self, at: (f64, f64), size: f64, anchor: Anchor, exponent: i32) {
-        let text = format!("10{}", superscript(exponent));
-        self.text(at, size, anchor, "ink", &text);
     }
 
     fn rich_text(&mut self, at: (f64, f64), size: f64, anchor: Anchor, class: &str, markup: &str) {

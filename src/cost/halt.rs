@@ -1,0 +1,34 @@
+//! Why measuring ends early.
+
+use crate::error::{Error, GpuError};
+
+/// Why there is no result.
+#[derive(Debug)]
+pub enum Halt {
+    /// The caller asked to stop.
+    Stopped,
+    /// Something failed.
+    Failed(Error),
+}
+
+impl Halt {
+    /// What failed, where nothing asked to stop.
+    pub fn failure(self) -> Error {
+        match self {
+            Self::Failed(error) => error,
+            Self::Stopped => unreachable!("nothing asked to stop"),
+        }
+    }
+}
+
+impl From<Error> for Halt {
+    fn from(error: Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
+impl From<GpuError> for Halt {
+    fn from(error: GpuError) -> Self {
+        Self::Failed(error.into())
+    }
+}
