@@ -8,7 +8,7 @@ use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
 use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session};
-use crate::scene::{LightSelection, Sampler, Scene, Strategy};
+use crate::scene::{LightSampling, LightSelection, Sampler, Scene, Strategy};
 use serde::Serialize;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -106,6 +106,8 @@ struct Report {
     effects: Vec<EffectReport>,
     strategy: Strategy,
     light_selection: LightSelection,
+    light_sampling: LightSampling,
+    mis_compensation: bool,
     sampler: Sampler,
     seed: u32,
     image_mean: [f64; 3],
@@ -196,6 +198,8 @@ fn report(
         effects: effect_reports(prepared),
         strategy: settings.strategy,
         light_selection: settings.light_selection,
+        light_sampling: settings.light_sampling,
+        mis_compensation: settings.mis_compensation,
         sampler: settings.sampler,
         seed: settings.seed,
         image_mean: film.mean(),
@@ -249,6 +253,8 @@ fn attributes(report: &Report) -> Vec<(&'static str, String)> {
         ("direkt", report.direkt.to_owned()),
         ("strategy", report.strategy.to_string()),
         ("light_selection", report.light_selection.to_string()),
+        ("light_sampling", report.light_sampling.to_string()),
+        ("mis_compensation", report.mis_compensation.to_string()),
         ("sampler", report.sampler.to_string()),
     ]
 }

@@ -243,6 +243,16 @@ impl std::fmt::Display for LightSelection {
     }
 }
 
+impl std::fmt::Display for LightSampling {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Area => "area",
+            Self::SolidAngle => "solid-angle",
+            Self::ProjectedSolidAngle => "projected-solid-angle",
+        })
+    }
+}
+
 impl std::fmt::Display for Sampler {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
