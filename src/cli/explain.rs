@@ -1,5 +1,6 @@
 //! `direkt explain`: which effects a scene calls for, and why.
 
+use super::settings::EstimatorArguments;
 use super::{JsonArgument, print};
 use crate::effects::Effect;
 use crate::error::Error;
@@ -27,6 +28,8 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     assets: Vec<PathBuf>,
     #[command(flatten)]
+    estimator: EstimatorArguments,
+    #[command(flatten)]
     json: JsonArgument,
 }
 
@@ -40,6 +43,7 @@ struct Report {
     bvh_nodes: usize,
     bvh_depth: usize,
     lights: usize,
+    biased: Option<String>,
     warnings: Vec<String>,
 }
 
@@ -58,7 +62,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let options = LoadOptions {
         assets: arguments.assets.clone(),
     };
-    let scene = load(path, &options)?;
+    let mut scene = load(path, &options)?;
+    arguments.estimator.apply(&mut scene)?;
     let settings = scene.render;
     let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
     let config = Config {
@@ -85,6 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         bvh_nodes: prepared.bvh.nodes.len(),
         bvh_depth: prepared.bvh.depth,
         lights: prepared.emitters.lights.len(),
+        biased: prepared.bias(),
         warnings: prepared.scene.warnings.clone(),
     };
     arguments.json.write(&report)?;
@@ -106,7 +112,7 @@ fn text(report: &Report) -> String {
         "{} primitives, {} lights, BVH of {} nodes and depth {}, {} bytes of WGSL",
         report.primitives, report.lights, report.bvh_nodes, report.bvh_depth, report.wgsl_bytes,
     );
-    for warning in &report.warnings {
+    for warning in report.biased.iter().chain(&report.warnings) {
         let _ = writeln!(out, "warning: {warning}");
     }
     out

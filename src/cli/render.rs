@@ -8,7 +8,7 @@ use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
 use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, StopReason};
-use crate::scene::{LightSelection, Sampler, Scene, Strategy};
+use crate::scene::{LightSelection, Sampler, Scene, ShadowPattern, Strategy};
 use serde::Serialize;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -91,6 +91,9 @@ struct Report {
     effects: Vec<EffectReport>,
     strategy: Strategy,
     light_selection: LightSelection,
+    shadow_rays: u32,
+    shadow_pattern: ShadowPattern,
+    biased: Option<String>,
     sampler: Sampler,
     seed: u32,
     image_mean: [f64; 3],
@@ -127,6 +130,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let film_size = scene.film;
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
     let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    if let Some(bias) = prepared.bias() {
+        eprintln!("direkt: warning: {bias}");
+    }
     let mut session = Session::new(&context, &prepared, film_size, settings.seed)?;
 
     let quiet = arguments.quiet || arguments.json.is_stdout();
@@ -216,6 +222,9 @@ fn report(
         effects: effect_reports(prepared),
         strategy: settings.strategy,
         light_selection: settings.light_selection,
+        shadow_rays: settings.shadow_rays,
+        shadow_pattern: settings.shadow_pattern,
+        biased: prepared.bias(),
         sampler: settings.sampler,
         seed: settings.seed,
         image_mean: film.mean(),
@@ -268,7 +277,7 @@ fn stop_on_interrupt() -> Arc<AtomicBool> {
 
 /// The EXR's attributes.
 fn attributes(report: &Report) -> Vec<(&'static str, String)> {
-    vec![
+    let mut attributes = vec![
         ("command", std::env::args().collect::<Vec<_>>().join(" ")),
         ("scene", report.scene.clone()),
         ("adapter", report.adapter.name.clone()),
@@ -279,8 +288,12 @@ fn attributes(report: &Report) -> Vec<(&'static str, String)> {
         ("direkt", report.direkt.to_owned()),
         ("strategy", report.strategy.to_string()),
         ("light_selection", report.light_selection.to_string()),
+        ("shadow_rays", report.shadow_rays.to_string()),
+        ("shadow_pattern", report.shadow_pattern.to_string()),
         ("sampler", report.sampler.to_string()),
-    ]
+    ];
+    attributes.extend(report.biased.clone().map(|bias| ("biased", bias)));
+    attributes
 }
 
 fn summary(arguments: &Arguments, report: &Report) -> String {

@@ -2,7 +2,10 @@
 
 use crate::error::Error;
 use crate::scene::load::{LoadOptions, load};
-use crate::scene::{FilmSize, LightSampling, LightSelection, Sampler, Scene, Strategy, validate};
+use crate::scene::shadow_rays::MAX_SHADOW_RAYS;
+use crate::scene::{
+    FilmSize, LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy, validate,
+};
 use std::path::PathBuf;
 
 /// The scene file.
@@ -59,7 +62,7 @@ impl SceneListArguments {
     }
 }
 
-/// Flags that override the scene's strategy, light selection, seed and size.
+/// Flags that override the scene's strategy, light sampling, seed and size.
 #[derive(Debug, clap::Args)]
 pub struct EstimatorArguments {
     /// Seed of the random numbers
@@ -74,6 +77,12 @@ pub struct EstimatorArguments {
     /// How a point of a chosen light is chosen by the MIS strategies
     #[arg(long, value_enum)]
     light_sampling: Option<LightSampling>,
+    /// Shadow rays per camera ray, 1 to 1024; with light selection `all` per light
+    #[arg(long, value_name = "N", value_parser = shadow_rays())]
+    shadow_rays: Option<u32>,
+    /// Where on the lights the points of a camera ray's shadow rays lie
+    #[arg(long, value_enum)]
+    shadow_pattern: Option<ShadowPattern>,
     /// How random numbers are made
     #[arg(long, value_enum)]
     sampler: Option<Sampler>,
@@ -90,6 +99,8 @@ impl EstimatorArguments {
         render.strategy = self.strategy.unwrap_or(render.strategy);
         render.light_selection = self.light_selection.unwrap_or(render.light_selection);
         render.light_sampling = self.light_sampling.unwrap_or(render.light_sampling);
+        render.shadow_rays = self.shadow_rays.unwrap_or(render.shadow_rays);
+        render.shadow_pattern = self.shadow_pattern.unwrap_or(render.shadow_pattern);
         render.sampler = self.sampler.unwrap_or(render.sampler);
         if let Some(size) = self.size.filter(|&size| size != scene.film) {
             scene.film = size;
@@ -98,6 +109,11 @@ impl EstimatorArguments {
         }
         validate::validate(scene)
     }
+}
+
+/// Numbers of shadow rays.
+pub fn shadow_rays() -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS))
 }
 
 /// `WIDTHxHEIGHT`.

@@ -1,5 +1,6 @@
 //! From measurements to what is told.
 
+use super::estimator::names;
 use super::interval::{Interval, NORMAL_95};
 use super::measures::{Lines, Point, ranks};
 use super::reference::{Reference, Source};
@@ -18,18 +19,23 @@ impl Work<'_, '_> {
     ) -> SceneCost {
         let last = |points: &Vec<Point>| points.last().expect("three counts").efficiency;
         let ranks = ranks(&curves.iter().map(last).collect::<Vec<_>>());
-        let selections = self.runners.iter().map(|r| r.estimator.light_selection);
-        let several = selections.collect::<std::collections::HashSet<_>>().len() > 1;
-        let measured = self.runners.iter().zip(curves).zip(ranks).zip(equal);
-        let estimators = measured.map(|(((runner, points), rank), equal_time)| {
+        let compared: Vec<_> = self.runners.iter().map(|r| r.estimator).collect();
+        let runners = self.runners.iter().zip(names(&compared));
+        let measured = runners.zip(curves).zip(ranks).zip(equal);
+        let estimators = measured.map(|((((runner, name), points), rank), equal_time)| {
             let last = points.last().expect("three counts");
             let per = 1.0 / (last.samples as f64 * self.scene.film.pixels() as f64);
             let lines = Lines::new(points);
             let target = self.settings.target;
             let reach = |factor: f64| lines.and_then(|l| l.reach(factor * target));
             EstimatorCost {
-                name: runner.estimator.name(several),
+                name: if runner.biased.is_some() {
+                    format!("{name} (biased)")
+                } else {
+                    name
+                },
                 estimator: runner.estimator,
+                biased: runner.biased.clone(),
                 compile_seconds: runner.compile_seconds,
                 seconds_per_sample: last.seconds.scaled(per),
                 samples_per_second: 1.0 / (last.seconds.value * per),

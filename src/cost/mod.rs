@@ -103,6 +103,8 @@ pub struct EstimatorCost {
     /// The estimator.
     #[serde(flatten)]
     pub estimator: Estimator,
+    /// Why its images do not converge to direct lighting, so that its error does not fall to zero; none where they do.
+    pub biased: Option<String>,
     /// Seconds that compiling its kernel took, the driver's part included.
     pub compile_seconds: f64,
     /// Seconds per sample of one pixel, at the largest count.

@@ -2,10 +2,10 @@
 
 use super::error::Errors;
 use super::estimator::Estimator;
-use crate::error::GpuError;
+use crate::error::{GpuError, InputError};
 use crate::gpu::Context;
-use crate::render::{Film, Prepared, RayCounts, Session};
-use crate::scene::{FilmSize, Scene};
+use crate::render::{Film, Patterns, Prepared, RayCounts, Session};
+use crate::scene::{FilmSize, Scene, validate};
 use std::time::Instant;
 
 /// Seeds that differ from each other, all derived from one.
@@ -51,6 +51,10 @@ pub struct Runner<'a> {
     /// The estimator.
     pub estimator: Estimator,
     session: Session<'a>,
+    /// Shadow rays of a camera ray that differ, with light selection `all` per light.
+    shadow_rays: u32,
+    /// Why its images do not converge to direct lighting; none where they do.
+    pub biased: Option<String>,
     /// Seconds that compiling took.
     pub compile_seconds: f64,
     /// Primitives of the scene.
@@ -77,6 +81,8 @@ impl<'a> Runner<'a> {
             estimator,
             compile_seconds: session.compile_seconds,
             session,
+            shadow_rays: prepared.shadow_rays(),
+            biased: prepared.bias(),
             primitives: prepared.primitives.len(),
             seconds_per_count: f64::INFINITY,
             dropped: 0,
@@ -89,7 +95,8 @@ impl<'a> Runner<'a> {
     /// The driver fails.
     pub fn run(&mut self, seed: u32, samples: u64) -> Result<Run, GpuError> {
         let session = &mut self.session;
-        session.restart(seed, self.estimator.sampler.pattern(samples))?;
+        let patterns = Patterns::new(self.estimator.sampler, samples, self.shadow_rays);
+        session.restart(seed, patterns)?;
         let start = Instant::now();
         let mut passes = 0;
         while session.samples() < samples {
@@ -121,12 +128,23 @@ pub struct Replicates {
 }
 
 /// The scene as `estimator` renders it, ready.
-pub fn prepare(scene: &Scene, estimator: Estimator) -> Prepared {
+///
+/// # Errors
+/// It has too many lights for the estimator.
+pub fn prepare(scene: &Scene, estimator: Estimator) -> Result<Prepared, InputError> {
     let mut scene = scene.clone();
     scene.render.strategy = estimator.strategy;
     scene.render.light_selection = estimator.light_selection;
+    scene.render.shadow_rays = estimator.shadow_rays;
+    scene.render.shadow_pattern = estimator.shadow_pattern;
     scene.render.sampler = estimator.sampler;
-    Prepared::new(scene, estimator.strategy, estimator.light_selection)
+    validate::settings(&scene)?;
+    let Estimator {
+        strategy,
+        light_selection,
+        ..
+    } = estimator;
+    Ok(Prepared::new(scene, strategy, light_selection))
 }
 
 #[cfg(test)]

@@ -8,7 +8,8 @@ use super::runner::{Replicates, Runner, Seeds, prepare};
 use super::{EqualTime, Progress, SceneCost, Settings};
 use crate::error::{Error, GpuError};
 use crate::gpu::Context;
-use crate::scene::{Sampler, Scene, Strategy};
+use crate::render::Prepared;
+use crate::scene::{Sampler, Scene, ShadowPattern, Strategy};
 
 /// Part of the budget for a reference of one's own.
 const REFERENCE_SHARE: f64 = 0.3;
@@ -99,14 +100,18 @@ impl<'a, 's> Work<'a, 's> {
             seeds: Seeds::new(settings.seed),
             spent: 0.0,
         };
+        let mut compiled = Vec::new();
         for &estimator in &settings.estimators {
             progress(&format!("compiling {estimator}"), 0.0);
-            let prepared = prepare(scene, estimator);
-            if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
-                work.not_applicable
-                    .push(NotApplicable { estimator, reason });
-                continue;
-            }
+            let prepared = match usable(scene, estimator, &compiled) {
+                Ok(prepared) => prepared,
+                Err(reason) => {
+                    work.not_applicable
+                        .push(NotApplicable { estimator, reason });
+                    continue;
+                }
+            };
+            compiled.push((estimator.effective(&prepared), estimator));
             let runner = Runner::new(context, &prepared, scene.film, estimator)?;
             work.runners.push(runner);
         }
@@ -125,10 +130,12 @@ impl<'a, 's> Work<'a, 's> {
             let estimator = Estimator {
                 strategy: Strategy::MisPower,
                 light_selection: settings.estimators[0].light_selection,
+                shadow_rays: 1,
+                shadow_pattern: ShadowPattern::Random,
                 sampler: Sampler::Sobol,
             };
             progress("compiling the reference", 0.0);
-            let prepared = prepare(scene, estimator);
+            let prepared = prepare(scene, estimator)?;
             work.own = Some(Runner::new(context, &prepared, scene.film, estimator)?);
         }
         Ok(work)
@@ -329,6 +336,25 @@ impl<'a, 's> Work<'a, 's> {
             });
         }
         Ok((seconds, images))
+    }
+}
+
+/// The scene made ready for `estimator`, or why it is of no use there: `compiled` are those before, each after what it
+/// comes to.
+fn usable(
+    scene: &Scene,
+    estimator: Estimator,
+    compiled: &[(Estimator, Estimator)],
+) -> Result<Prepared, String> {
+    let prepared = prepare(scene, estimator)
+        .map_err(|e| format!("{}: {}; expected {}", e.field, e.problem, e.expected))?;
+    if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
+        return Err(reason);
+    }
+    let effective = estimator.effective(&prepared);
+    match compiled.iter().find(|(e, _)| *e == effective) {
+        Some((_, first)) => Err(format!("on this scene the same as {first}")),
+        None => Ok(prepared),
     }
 }
 

@@ -7,5 +7,5 @@ pub mod session;
 
 pub use check::Check;
 pub use film::{Film, FirstBad, ImageError, Ledger};
-pub use prepare::Prepared;
+pub use prepare::{Patterns, Prepared};
 pub use session::{RayCounts, Session, StopReason};

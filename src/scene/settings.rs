@@ -1,5 +1,6 @@
 //! The `[render]` table: every setting also has a flag.
 
+use super::shadow_rays::ShadowPattern;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -111,6 +112,8 @@ pub enum LightSelection {
     /// In proportion to emitted power.
     #[default]
     Power,
+    /// None is chosen: every light gets shadow rays of its own.
+    All,
 }
 
 /// How random numbers are made.
@@ -145,9 +148,15 @@ impl Sampler {
     /// Numbers that the sampler's pattern is made for, for `spp` samples per pixel: of the jittered grid the logarithms of
     /// its columns and rows, of blue noise that of the samples per pixel.
     pub fn pattern(self, spp: u64) -> [u32; 2] {
+        self.light_pattern(spp, 1)
+    }
+
+    /// The same for the light samples of a pixel, `rays` for each of its samples.
+    pub fn light_pattern(self, spp: u64, rays: u32) -> [u32; 2] {
         // Larger patterns gain little, and smaller ones can be gone through again; without a number of samples, as when
         // time alone decides, a medium one serves.
         let samples = if spp > MAX_PATTERN { 64 } else { spp };
+        let samples = (samples * u64::from(rays)).min(MAX_PATTERN);
         let bits = samples.next_power_of_two().ilog2();
         match self {
             Self::Independent | Self::Sobol => [0, 0],
@@ -170,6 +179,11 @@ pub struct RenderSettings {
     pub light_selection: LightSelection,
     /// How a point of a chosen light is chosen, where the strategy does not say.
     pub light_sampling: LightSampling,
+    /// Shadow rays per camera ray where lights are sampled, 1 to 1024; with light selection `all` per light.
+    #[schemars(range(min = 1, max = 1024))]
+    pub shadow_rays: u32,
+    /// Where on the lights the points of a camera ray's shadow rays lie.
+    pub shadow_pattern: ShadowPattern,
     /// How random numbers are made.
     pub sampler: Sampler,
     /// Samples per pixel, at least 1.
@@ -186,6 +200,8 @@ impl Default for RenderSettings {
             strategy: Strategy::default(),
             light_selection: LightSelection::default(),
             light_sampling: LightSampling::default(),
+            shadow_rays: 1,
+            shadow_pattern: ShadowPattern::default(),
             sampler: Sampler::default(),
             spp: 64,
             time: None,
@@ -214,6 +230,7 @@ impl std::fmt::Display for LightSelection {
         f.write_str(match self {
             Self::Uniform => "uniform",
             Self::Power => "power",
+            Self::All => "all",
         })
     }
 }
@@ -241,5 +258,8 @@ mod tests {
         assert_eq!(Sampler::BlueNoise.pattern(16), [4, 0]);
         assert_eq!(Sampler::BlueNoise.pattern(u64::MAX), [6, 0]);
         assert_eq!(Sampler::Sobol.pattern(1024), [0, 0]);
+        assert_eq!(Sampler::Stratified.light_pattern(16, 4), [3, 3]);
+        assert_eq!(Sampler::BlueNoise.light_pattern(u64::MAX, 3), [8, 0]);
+        assert_eq!(Sampler::BlueNoise.light_pattern(1 << 16, 1024), [16, 0]);
     }
 }

@@ -2,9 +2,10 @@
 //!
 //! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind may rely on it.
 
+use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
     Bsdf, Camera, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize,
-    Geometry, Light, Material, Mesh, Scene, Shape,
+    Geometry, Light, LightSelection, Material, Mesh, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
@@ -37,6 +38,17 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
         check.expect(expect, scene.film)?;
     }
     Ok(())
+}
+
+/// Checks a scene's settings alone: whether it can be rendered so.
+///
+/// # Errors
+/// They are out of their domain, or the scene has too many lights for them.
+pub fn settings(scene: &Scene) -> Result<(), InputError> {
+    let check = Check {
+        file: &scene.source,
+    };
+    check.settings(scene)
 }
 
 /// Makes errors about one file.
@@ -293,6 +305,29 @@ impl Check<'_> {
             || "render.time".to_owned(),
             || format!("is {time}"),
             "seconds, above 0",
+        )?;
+        let rays = render.shadow_rays;
+        self.require(
+            (1..=MAX_SHADOW_RAYS).contains(&rays),
+            || "render.shadow_rays".to_owned(),
+            || format!("is {rays}"),
+            "1 to 1024",
+        )?;
+        self.light_samples(scene)
+    }
+
+    /// Whether a camera ray can take samples of all lights.
+    fn light_samples(&self, scene: &Scene) -> Outcome {
+        let render = &scene.render;
+        if render.light_selection != LightSelection::All {
+            return Ok(());
+        }
+        let (lights, rays) = (scene.sampled_lights(), u64::from(render.shadow_rays));
+        self.require(
+            lights * rays <= MAX_LIGHT_SAMPLES,
+            || "render.light_selection".to_owned(),
+            || format!("is \"all\", with {lights} lights and {rays} shadow rays each"),
+            "\"power\" or \"uniform\", or at most 65535 shadow rays per camera ray",
         )
     }
 
