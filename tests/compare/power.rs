@@ -37,20 +37,17 @@ fn cases() -> Vec<(String, Scene, Strategy, u32)> {
     all.chain(quiet).collect()
 }
 
-/// The same with several shadow rays, for what is about them.
+/// Scenes with several shadow rays, for what is about them: among them a sky, of which BSDF samples find as much.
 fn cases_of_several_rays() -> Vec<(String, Scene, Strategy, u32)> {
-    let several = |(name, mut scene, strategy, pixels): (String, Scene, Strategy, u32)| {
+    let mut scenes = own_scenes();
+    let sky = "scenes/tests/sky.toml";
+    scenes.push((sky.to_owned(), scene(sky)));
+    let several = |(name, mut scene): (String, Scene)| {
         scene.render.shadow_rays = 4;
-        (
-            format!("{name} with 4 shadow rays"),
-            scene,
-            strategy,
-            pixels,
-        )
+        let name = format!("{name} with 4 shadow rays");
+        (name, scene, Strategy::MisPower, 1 << 12)
     };
-    let cases = cases().into_iter();
-    let weighted = cases.filter(|(_, _, strategy, _)| *strategy == Strategy::MisPower);
-    weighted.map(several).collect()
+    scenes.into_iter().map(several).collect()
 }
 
 /// Samples with the same random numbers show every mistake everywhere. Means show those that are larger than their
