@@ -2,7 +2,7 @@
 
 use super::estimator::names;
 use super::interval::{Interval, NORMAL_95};
-use super::measures::{Lines, Point, ranks};
+use super::measures::{Lines, Point, Reached, ranks};
 use super::reference::{Reference, Source};
 use super::schedule::Work;
 use super::{EqualTime, EstimatorCost, ReferenceFacts, SceneCost};
@@ -27,7 +27,9 @@ impl Work<'_, '_> {
             let per = 1.0 / (last.samples as f64 * self.scene.film.pixels() as f64);
             let lines = Lines::new(points);
             let target = self.settings.target;
-            let reach = |factor: f64| lines.and_then(|l| l.reach(factor * target));
+            // Where an error ends in a bias, a line says nothing beyond what was measured.
+            let known = |r: &Reached| runner.biased.is_none() || !r.extrapolated;
+            let reach = |factor: f64| lines.and_then(|l| l.reach(factor * target)).filter(known);
             EstimatorCost {
                 name: if runner.biased.is_some() {
                     format!("{name} (biased)")

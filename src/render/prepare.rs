@@ -96,9 +96,9 @@ impl Prepared {
 
     /// Why images do not converge to direct lighting; `None` where they do.
     pub fn bias(&self) -> Option<String> {
-        let pattern = self.shadow_pattern();
-        let biased = matches!(pattern, ShadowPattern::Center | ShadowPattern::Grid);
-        biased.then(|| {
+        let fixed = [ShadowPattern::Center, ShadowPattern::Grid];
+        fixed.contains(&self.shadow_pattern()).then(|| {
+            let pattern = self.scene.render.shadow_pattern;
             format!(
                 "shadow_pattern = \"{pattern}\": shadow rays end at the same points of the lights in all samples, so that the image \
                  converges to a quadrature, not to direct lighting"

@@ -51,16 +51,18 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Lights that the scene's strategy samples: primitives that emit and the environment, if it samples those, and lights
-    /// without a surface, which nothing else reaches.
-    pub fn sampled_lights(&self) -> u64 {
-        let mut lights = self.lights.len() as u64;
+    /// Light samples that a camera ray takes with light selection `all`: each primitive that emits and the environment have
+    /// as many as there are shadow rays, where the strategy samples them; lights without a surface, which nothing else
+    /// reaches, have one.
+    pub fn samples_of_all_lights(&self) -> u64 {
+        let mut samples = self.lights.len() as u64;
         if self.render.strategy.samples_lights() {
             let lit = |e: Emission| e.radiance.max_element() > 0.0;
             let emitting = self.shapes.iter().filter(|s| s.emission.is_some_and(lit));
-            lights += emitting.map(|s| s.geometry.primitives()).sum::<u64>();
-            lights += u64::from(self.environment.is_some());
+            let primitives: u64 = emitting.map(|s| s.geometry.primitives()).sum();
+            let environments = u64::from(self.environment.is_some());
+            samples += (primitives + environments) * u64::from(self.render.shadow_rays);
         }
-        lights
+        samples
     }
 }

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 /// Most shadow rays per camera ray, and with light selection `all` per light.
 pub const MAX_SHADOW_RAYS: u32 = 1024;
 
-/// Most light samples that a camera ray takes in all: lights times shadow rays with light selection `all`. So many fit
-/// half a word of a sample's record, and the fewest loop iterations that a driver is known to grant an invocation.
+/// Most light samples that a camera ray takes in all: with light selection `all` the lights' shadow rays together. So many
+/// fit half a word of a sample's record.
 pub const MAX_LIGHT_SAMPLES: u64 = 0xffff;
 
 /// Where on the lights the points of a camera ray's shadow rays lie.

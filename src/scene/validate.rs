@@ -313,21 +313,15 @@ impl Check<'_> {
             || format!("is {rays}"),
             "1 to 1024",
         )?;
-        self.light_samples(scene)
-    }
-
-    /// Whether a camera ray can take samples of all lights.
-    fn light_samples(&self, scene: &Scene) -> Outcome {
-        let render = &scene.render;
-        if render.light_selection != LightSelection::All {
-            return Ok(());
-        }
-        let (lights, rays) = (scene.sampled_lights(), u64::from(render.shadow_rays));
+        let samples = match render.light_selection {
+            LightSelection::All => scene.samples_of_all_lights(),
+            LightSelection::Uniform | LightSelection::Power => u64::from(rays),
+        };
         self.require(
-            lights * rays <= MAX_LIGHT_SAMPLES,
+            samples <= MAX_LIGHT_SAMPLES,
             || "render.light_selection".to_owned(),
-            || format!("is \"all\", with {lights} lights and {rays} shadow rays each"),
-            "\"power\" or \"uniform\", or at most 65535 shadow rays per camera ray",
+            || format!("is \"all\", which takes {samples} shadow rays per camera ray here"),
+            "at most 65535 of them: fewer shadow_rays, or \"power\" or \"uniform\"",
         )
     }
 
