@@ -4,9 +4,12 @@
 //! `@if(GLOSSY)` is not in the WGSL unless some material has a microfacet lobe.
 
 use crate::accel::{Primitive, PrimitiveGeometry};
-use crate::emitters::{Emitter, Emitters};
+use crate::emitters::{Emitter, Emitters, Selection};
 use crate::scene::light::Interpolation;
-use crate::scene::{EnvironmentRadiance, Light, LightSampling, Sampler, Scene, Strategy};
+use crate::scene::{
+    EnvironmentRadiance, Light, LightSampling, RenderSettings, Sampler, Scene, ShadowPattern,
+    Strategy,
+};
 use std::collections::BTreeMap;
 
 macro_rules! effects {
@@ -69,6 +72,16 @@ effects! {
     EnvironmentLinear "ENVIRONMENT_LINEAR" "environment-interpolation",
     /// More than one light to choose from.
     LightChoice "LIGHT_CHOICE" "light-choice",
+    /// Every light has shadow rays of its own.
+    AllLights "LIGHT_ALL" "all-lights",
+    /// Several shadow rays per camera ray.
+    ShadowRays "SHADOW_RAYS" "shadow-rays",
+    /// Shadow rays end in the middle of lights.
+    CenterPattern "SHADOW_CENTER" "center-pattern",
+    /// Shadow rays end on a grid over lights.
+    GridPattern "SHADOW_GRID" "grid-pattern",
+    /// Shadow rays end in the cells of a grid over lights.
+    StratifiedPattern "SHADOW_STRATIFIED" "stratified-pattern",
     /// Directions are chosen towards lights.
     SampleLights "SAMPLE_LIGHTS" "light-sampling",
     /// Directions are chosen in proportion to the BSDF.
@@ -96,7 +109,12 @@ impl Effect {
     pub fn is_way_of_sampling(self) -> bool {
         matches!(
             self,
-            Self::SampleLights
+            Self::AllLights
+                | Self::ShadowRays
+                | Self::CenterPattern
+                | Self::GridPattern
+                | Self::StratifiedPattern
+                | Self::SampleLights
                 | Self::SampleBsdf
                 | Self::UniformHemisphere
                 | Self::CosineHemisphere
@@ -149,18 +167,9 @@ pub fn called_for(
     for (index, light) in emitters.lights.iter().enumerate() {
         of_light(&mut effects, scene, primitives, light, sampled(index));
     }
-    let lights = emitters.lights.len();
-    if emitters.selection.is_some() {
-        if lights > 1 {
-            effects.call_for(Effect::LightChoice, || format!("{lights} lights"));
-        }
-        effects.call_for(Effect::SampleLights, || {
-            if strategy.samples_lights() {
-                format!("strategy {strategy}")
-            } else {
-                "lights without a surface, which no other strategy reaches".to_owned()
-            }
-        });
+    if let Some(selection) = &emitters.selection {
+        of_light_sampling(&mut effects, emitters, selection, strategy);
+        of_shadow_rays(&mut effects, emitters, &scene.render);
     }
     of_strategy(&mut effects, strategy, scene.render.light_sampling);
     let sampler = scene.render.sampler;
@@ -174,6 +183,54 @@ pub fn called_for(
         effects.call_for(effect, || format!("sampler {sampler}"));
     }
     effects
+}
+
+fn of_light_sampling(
+    effects: &mut Effects,
+    emitters: &Emitters,
+    selection: &Selection,
+    strategy: Strategy,
+) {
+    let lights = emitters.lights.len();
+    match selection {
+        Selection::One(_) if lights > 1 => {
+            effects.call_for(Effect::LightChoice, || format!("{lights} lights"));
+        }
+        Selection::One(_) => {}
+        Selection::All(_) => effects.call_for(Effect::AllLights, || {
+            format!("light selection all, {lights} lights")
+        }),
+    }
+    effects.call_for(Effect::SampleLights, || {
+        if strategy.samples_lights() {
+            format!("strategy {strategy}")
+        } else {
+            "lights without a surface, which no other strategy reaches".to_owned()
+        }
+    });
+}
+
+/// Several shadow rays are called for where a second one can differ from the first, a pattern where its points can.
+fn of_shadow_rays(effects: &mut Effects, emitters: &Emitters, settings: &RenderSettings) {
+    let pattern = settings.shadow_pattern;
+    let extended = emitters.sampled().any(|l| !matches!(l, Emitter::Delta(_)));
+    let has_texels =
+        emitters.environment.is_some() && emitters.sampled().any(|l| *l == Emitter::Environment);
+    let chosen = effects.contains(Effect::LightChoice) && emitters.sampled().count() > 1;
+    let differ = chosen || has_texels || (extended && pattern != ShadowPattern::Center);
+    let several = settings.shadow_rays > 1 && differ;
+    if several {
+        effects.call_for(Effect::ShadowRays, || {
+            format!("shadow_rays = {}", settings.shadow_rays)
+        });
+    }
+    let effect = match pattern {
+        ShadowPattern::Stratified if several => Effect::StratifiedPattern,
+        ShadowPattern::Grid if extended && several => Effect::GridPattern,
+        ShadowPattern::Grid | ShadowPattern::Center if extended => Effect::CenterPattern,
+        _ => return,
+    };
+    effects.call_for(effect, || format!("shadow_pattern = \"{pattern}\""));
 }
 
 fn of_strategy(effects: &mut Effects, strategy: Strategy, light_sampling: LightSampling) {

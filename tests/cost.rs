@@ -1,11 +1,11 @@
 //! `cost::measure` when it is asked to stop.
 
 use crate::support::{context, scene};
-use direkt::cost::estimator::combinations;
+use direkt::cost::estimator::{Choices, combinations};
 use direkt::cost::{SceneCost, Settings, measure};
 use direkt::report::machine::Machine;
 use direkt::report::write;
-use direkt::scene::{FilmSize, LightSelection, Sampler, Strategy};
+use direkt::scene::{FilmSize, LightSelection, Sampler, ShadowPattern, Strategy};
 use std::cell::Cell;
 
 /// The cost of two estimators, stopped as soon as the progress says `at`.
@@ -17,7 +17,13 @@ fn stopped_at(at: &str) -> Option<SceneCost> {
     };
     let strategies = [Strategy::LightArea, Strategy::Bsdf];
     let settings = Settings {
-        estimators: combinations(&strategies, &[LightSelection::Power], &[Sampler::Sobol]),
+        estimators: combinations(&Choices {
+            strategies: strategies.to_vec(),
+            light_selections: vec![LightSelection::Power],
+            shadow_rays: vec![1],
+            shadow_patterns: vec![ShadowPattern::Random],
+            samplers: vec![Sampler::Sobol],
+        }),
         budget: 2.0,
         target: 1e-3,
         reference: None,

@@ -91,6 +91,11 @@ fn structs_have_the_same_members() {
         far,
         environment_grid,
         pattern,
+        light_pattern,
+        shadow_rays,
+        shadow_columns,
+        shadow_steps,
+        padding,
     });
     let dispatch = members!(Dispatch {
         block_start,

@@ -1,10 +1,11 @@
 //! Every variant of the kernel that a scene uses, and each effect alone, links and is valid WGSL.
 
 use crate::support::{STRATEGIES, own_scenes};
+use clap::ValueEnum;
 use direkt::effects::{Effect, Effects};
 use direkt::gpu::shader::{Config, link};
 use direkt::render::Prepared;
-use direkt::scene::LightSelection;
+use direkt::scene::{LightSelection, ShadowPattern, Strategy};
 
 const CONFIG: Config = Config { stack_depth: 16 };
 
@@ -29,6 +30,25 @@ fn every_scene_links_under_every_strategy() {
         for strategy in STRATEGIES {
             let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
             validate(&prepared.effects, &format!("{name}, {strategy}"));
+        }
+    }
+}
+
+/// With several rays in every pattern, to a chosen light and to every one.
+#[test]
+fn shadow_rays_link_in_every_pattern() {
+    for (name, scene) in own_scenes() {
+        for &pattern in ShadowPattern::value_variants() {
+            for &selection in LightSelection::value_variants() {
+                let mut scene = scene.clone();
+                scene.render.shadow_rays = 4;
+                scene.render.shadow_pattern = pattern;
+                let prepared = Prepared::new(scene, Strategy::MisPower, selection);
+                validate(
+                    &prepared.effects,
+                    &format!("{name}, {pattern}, {selection}"),
+                );
+            }
         }
     }
 }
@@ -73,6 +93,10 @@ fn what_a_scene_does_not_call_for_is_not_in_its_shader() {
         "sample_bsdf",
         "alias_choice",
         "spot_falloff",
+        "estimate_by_shadow_rays",
+        "grid_point",
+        "part_of_sample",
+        "own_samples",
     ] {
         assert!(
             !wgsl.contains(absent),

@@ -2,7 +2,7 @@
 
 use super::print;
 use crate::cost::calibrate::{Calibration, Estimate, Settings, calibrate};
-use crate::cost::estimator;
+use crate::cost::estimator::{Choices, combinations};
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::report::format::short;
@@ -42,11 +42,13 @@ impl CalibrateArguments {
             list => list.to_vec(),
         };
         let settings = Settings {
-            estimators: estimator::combinations(
-                &strategies,
-                &[scene.render.light_selection],
-                &samplers,
-            ),
+            estimators: combinations(&Choices {
+                strategies,
+                light_selections: vec![scene.render.light_selection],
+                shadow_rays: vec![scene.render.shadow_rays],
+                shadow_patterns: vec![scene.render.shadow_pattern],
+                samplers,
+            }),
             images: self.images,
             samples: self.spp.unwrap_or(scene.render.spp),
             seed: scene.render.seed,

@@ -11,7 +11,7 @@ use crate::gpu::{AdapterFacts, Context};
 use crate::image::signed;
 use crate::reference::BrokenTwin;
 use crate::render::Prepared;
-use crate::scene::{FilmSize, LightSelection, Strategy};
+use crate::scene::{FilmSize, LightSelection, ShadowPattern, Strategy};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -60,6 +60,9 @@ struct Report {
     seed: u32,
     strategy: Strategy,
     light_selection: LightSelection,
+    shadow_rays: u32,
+    shadow_pattern: ShadowPattern,
+    biased: Option<String>,
     broken: Option<&'static str>,
     agrees: bool,
     #[serde(flatten)]
@@ -95,6 +98,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         seed: settings.seed,
         strategy: render.strategy,
         light_selection: render.light_selection,
+        shadow_rays: render.shadow_rays,
+        shadow_pattern: render.shadow_pattern,
+        biased: prepared.bias(),
         broken: settings.broken.map(|b| b.row().name),
         agrees: comparison.agrees(),
         comparison,
@@ -133,6 +139,9 @@ fn prepare(arguments: &Arguments) -> Result<(Prepared, Settings), Error> {
     let render = scene.render;
     let prepared = Prepared::new(scene, render.strategy, render.light_selection);
     check_broken(&prepared, arguments.broken)?;
+    if let Some(bias) = prepared.bias().filter(|_| arguments.exact) {
+        return Err(Error::Usage(format!("--exact: {bias}")));
+    }
     Ok((prepared, settings))
 }
 
@@ -195,10 +204,17 @@ fn write_images(arguments: &Arguments, size: FilmSize, report: &Report) -> Resul
 
 fn text(report: &Report) -> String {
     let mut out = format!(
-        "{}, {}, {} light selection, {} × {} pixels, {} samples each, seed {}, on {} ({})\n",
+        "{}, {}, {} light selection, {} {} shadow {}, {} × {} pixels, {} samples each, seed {}, on {} ({})\n",
         report.scene,
         report.strategy,
         report.light_selection,
+        report.shadow_rays,
+        report.shadow_pattern,
+        if report.shadow_rays == 1 {
+            "ray"
+        } else {
+            "rays"
+        },
         report.width,
         report.height,
         report.spp,

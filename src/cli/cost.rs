@@ -5,12 +5,13 @@ use super::interrupt::Interrupt;
 use super::settings::{ImageArguments, SceneListArguments};
 use super::{AdapterArgument, JsonArgument, print, progress};
 use crate::cost::calibrate::Calibration;
-use crate::cost::{SceneCost, Settings, estimator, measure};
+use crate::cost::estimator::{self, Choices};
+use crate::cost::{SceneCost, Settings, measure};
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::report::format::{number, range, seconds, short, slope};
 use crate::report::{self, csv, machine::Machine};
-use crate::scene::{LightSelection, Sampler, Scene, Strategy};
+use crate::scene::{LightSelection, Sampler, Scene, ShadowPattern, Strategy};
 use clap::ValueEnum;
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -39,6 +40,12 @@ pub struct Arguments {
     /// Light selections to compare [default: the scene's]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     light_selections: Vec<LightSelection>,
+    /// Numbers of shadow rays per camera ray to compare, each 1 to 1024 [default: the scene's]
+    #[arg(long, value_name = "LIST", value_parser = super::settings::shadow_rays(), value_delimiter = ',')]
+    shadow_rays: Vec<u32>,
+    /// Patterns of their points to compare [default: the scene's]
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
+    shadow_patterns: Vec<ShadowPattern>,
     /// Samplers to compare [default: independent,sobol; with --calibrate all]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     samplers: Vec<Sampler>,
@@ -214,34 +221,27 @@ impl Arguments {
     }
 
     fn settings(&self, scene: &Scene) -> Settings {
-        let or = |list: &[Strategy]| match list {
-            [] => Strategy::value_variants().to_vec(),
-            list => list.to_vec(),
+        let render = &scene.render;
+        let choices = Choices {
+            strategies: or(&self.strategies, Strategy::value_variants()),
+            light_selections: or(&self.light_selections, &[render.light_selection]),
+            shadow_rays: or(&self.shadow_rays, &[render.shadow_rays]),
+            shadow_patterns: or(&self.shadow_patterns, &[render.shadow_pattern]),
+            samplers: or(&self.samplers, &[Sampler::Independent, Sampler::Sobol]),
         };
-        let samplers = match self.samplers.as_slice() {
-            [] => &[Sampler::Independent, Sampler::Sobol],
-            list => list,
-        };
-        let selections = match self.light_selections.as_slice() {
-            [] => vec![scene.render.light_selection],
-            list => list.to_vec(),
-        };
-        let mut estimators = estimator::combinations(&or(&self.strategies), &selections, samplers);
-        let mut seen = Vec::new();
-        estimators.retain(|e| {
-            !seen.contains(e) && {
-                seen.push(*e);
-                true
-            }
-        });
         Settings {
-            estimators,
+            estimators: estimator::combinations(&choices),
             budget: self.budget,
             target: self.target_error,
             reference: self.reference.clone(),
             seed: scene.render.seed,
         }
     }
+}
+
+/// `list`, or `default` where it is empty.
+fn or<T: Clone>(list: &[T], default: &[T]) -> Vec<T> {
+    if list.is_empty() { default } else { list }.to_vec()
 }
 
 /// The table that is printed.

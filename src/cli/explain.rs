@@ -44,6 +44,7 @@ struct Report {
     lights: usize,
     environment: Option<EnvironmentSampling>,
     mis_compensation_unused: Option<String>,
+    biased: Option<String>,
     warnings: Vec<String>,
 }
 
@@ -97,6 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         lights: prepared.emitters.lights.len(),
         environment: environment_sampling(&prepared),
         mis_compensation_unused: mis_compensation_unused(&prepared),
+        biased: prepared.bias(),
         warnings: prepared.scene.warnings.clone(),
     };
     arguments.json.write(&report)?;
@@ -159,7 +161,7 @@ fn text(report: &Report) -> String {
     if let Some(reason) = &report.mis_compensation_unused {
         let _ = writeln!(out, "mis_compensation changes nothing: {reason}");
     }
-    for warning in &report.warnings {
+    for warning in report.biased.iter().chain(&report.warnings) {
         let _ = writeln!(out, "warning: {warning}");
     }
     out

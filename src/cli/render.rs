@@ -8,7 +8,7 @@ use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
 use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session};
-use crate::scene::{LightSampling, LightSelection, Sampler, Scene, Strategy};
+use crate::scene::{LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
 use serde::Serialize;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -108,6 +108,9 @@ struct Report {
     light_selection: LightSelection,
     light_sampling: LightSampling,
     mis_compensation: bool,
+    shadow_rays: u32,
+    shadow_pattern: ShadowPattern,
+    biased: Option<String>,
     sampler: Sampler,
     seed: u32,
     image_mean: [f64; 3],
@@ -144,6 +147,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let film_size = scene.film;
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
     let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    if let Some(bias) = prepared.bias() {
+        eprintln!("direkt: warning: {bias}");
+    }
     let mut session = Session::new(&context, &prepared, film_size, settings.seed)?;
 
     let quiet = arguments.quiet || arguments.json.is_stdout();
@@ -200,6 +206,9 @@ fn report(
         light_selection: settings.light_selection,
         light_sampling: settings.light_sampling,
         mis_compensation: settings.mis_compensation,
+        shadow_rays: settings.shadow_rays,
+        shadow_pattern: settings.shadow_pattern,
+        biased: prepared.bias(),
         sampler: settings.sampler,
         seed: settings.seed,
         image_mean: film.mean(),
@@ -242,7 +251,7 @@ fn effect_reports(prepared: &Prepared) -> Vec<EffectReport> {
 
 /// The EXR's attributes.
 fn attributes(report: &Report) -> Vec<(&'static str, String)> {
-    vec![
+    let mut attributes = vec![
         ("command", std::env::args().collect::<Vec<_>>().join(" ")),
         ("scene", report.scene.clone()),
         ("adapter", report.adapter.name.clone()),
@@ -255,8 +264,12 @@ fn attributes(report: &Report) -> Vec<(&'static str, String)> {
         ("light_selection", report.light_selection.to_string()),
         ("light_sampling", report.light_sampling.to_string()),
         ("mis_compensation", report.mis_compensation.to_string()),
+        ("shadow_rays", report.shadow_rays.to_string()),
+        ("shadow_pattern", report.shadow_pattern.to_string()),
         ("sampler", report.sampler.to_string()),
-    ]
+    ];
+    attributes.extend(report.biased.clone().map(|bias| ("biased", bias)));
+    attributes
 }
 
 fn summary(arguments: &Arguments, report: &Report) -> String {

@@ -2,7 +2,10 @@
 
 use crate::error::Error;
 use crate::scene::load::{LoadOptions, load};
-use crate::scene::{FilmSize, LightSampling, LightSelection, Sampler, Scene, Strategy, validate};
+use crate::scene::shadow_rays::MAX_SHADOW_RAYS;
+use crate::scene::{
+    FilmSize, LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy, validate,
+};
 use std::path::{Path, PathBuf};
 
 /// Where the files that scenes name are looked up.
@@ -110,6 +113,12 @@ pub struct EstimatorArguments {
     /// Whether the MIS strategies sample of an environment map only what is brighter than its mean
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     mis_compensation: Option<bool>,
+    /// Shadow rays per camera ray, 1 to 1024; with light selection `all` per light
+    #[arg(long, value_name = "N", value_parser = shadow_rays())]
+    shadow_rays: Option<u32>,
+    /// Where on the lights the points of a camera ray's shadow rays lie
+    #[arg(long, value_enum)]
+    shadow_pattern: Option<ShadowPattern>,
     /// How random numbers are made
     #[arg(long, value_enum)]
     sampler: Option<Sampler>,
@@ -123,9 +132,16 @@ impl EstimatorArguments {
         render.light_selection = self.light_selection.unwrap_or(render.light_selection);
         render.light_sampling = self.light_sampling.unwrap_or(render.light_sampling);
         render.mis_compensation = self.mis_compensation.unwrap_or(render.mis_compensation);
+        render.shadow_rays = self.shadow_rays.unwrap_or(render.shadow_rays);
+        render.shadow_pattern = self.shadow_pattern.unwrap_or(render.shadow_pattern);
         render.sampler = self.sampler.unwrap_or(render.sampler);
         self.image.apply(scene)
     }
+}
+
+/// Numbers of shadow rays.
+pub fn shadow_rays() -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS))
 }
 
 /// `WIDTHxHEIGHT`.

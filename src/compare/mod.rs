@@ -201,21 +201,22 @@ fn radiance(record: &SampleRecord) -> DVec3 {
     DVec3::from_array(record.radiance.map(f64::from))
 }
 
-/// Whether GPU and twin agree about what reached the surface: the same primitives, and the same light seen or not. Two
-/// samples to which no light came agree, whether or not one of them traced a shadow ray to find out.
+/// Whether GPU and twin agree about what reached the surface: the same primitives, and light found by as many shadow
+/// rays. Samples to which no light came agree, whether or not one of them traced a shadow ray to find out.
 fn flip(gpu: &SampleRecord, twin: &Sample) -> Option<per_sample::Flip> {
-    use crate::gpu::layout::{NONE, NOT_TRACED, SHADOW_CLEAR};
-    use crate::reference::{BsdfRay, Shadow};
+    use crate::gpu::layout::{NONE, NOT_TRACED};
+    use crate::reference::BsdfRay;
     use per_sample::Flip;
     let bsdf = match twin.path.bsdf {
         BsdfRay::NotTraced => NOT_TRACED,
         BsdfRay::Missed => NONE,
         BsdfRay::Hit(primitive) => primitive,
     };
+    let shadow = twin.path.shadow.clear.abs_diff(gpu.clear_shadow_rays());
     if twin.path.camera.unwrap_or(NONE) != gpu.camera_primitive {
         Some(Flip::Camera)
-    } else if (twin.path.shadow == Shadow::Clear) != (gpu.shadow == SHADOW_CLEAR) {
-        Some(Flip::Shadow)
+    } else if shadow > 0 {
+        Some(Flip::Shadow(shadow))
     } else if bsdf != gpu.bsdf_primitive {
         Some(Flip::Bsdf)
     } else {

@@ -21,6 +21,7 @@ pub const TOLERANCE: f64 = 1e-3;
 /// rounding without a bound.
 pub const MAX_BEYOND: f64 = 1e-3;
 /// Largest fraction of samples whose rays may meet something else on the GPU: those that pass an edge within rounding.
+/// A sample of several shadow rays counts as so many.
 pub const MAX_FLIPS: f64 = 1e-4;
 /// Differences relative to the sample alone below this are counted, not kept.
 const SUSPECT: f64 = 1e-5;
@@ -28,18 +29,17 @@ const SUSPECT: f64 = 1e-5;
 const DECADES: usize = 8;
 
 /// Which ray met something else.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flip {
     /// The camera ray.
     Camera,
-    /// The shadow ray.
-    Shadow,
+    /// So many shadow rays.
+    Shadow(u32),
     /// The BSDF-sampled ray.
     Bsdf,
 }
 
-/// Samples whose rays met something else.
+/// Rays that met something else.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Flips {
     /// Camera rays.
@@ -48,6 +48,25 @@ pub struct Flips {
     pub shadow: u64,
     /// BSDF-sampled rays.
     pub bsdf: u64,
+}
+
+impl Flips {
+    fn count<'a>(suspects: impl Iterator<Item = &'a Suspect>) -> Self {
+        let mut flips = Self::default();
+        for suspect in suspects {
+            match suspect.flip {
+                None => {}
+                Some(Flip::Camera) => flips.camera += 1,
+                Some(Flip::Shadow(rays)) => flips.shadow += u64::from(rays),
+                Some(Flip::Bsdf) => flips.bsdf += 1,
+            }
+        }
+        flips
+    }
+
+    fn total(self) -> u64 {
+        self.camera + self.shadow + self.bsdf
+    }
 }
 
 /// A sample that differs.
@@ -74,11 +93,11 @@ pub struct WorstSample {
 pub struct PerSample {
     /// Samples compared.
     pub samples: u64,
-    /// Those whose rays met something else.
+    /// Rays that met something else.
     pub flips: Flips,
-    /// Their fraction.
+    /// They over the samples, those of several shadow rays counted so many times.
     pub flip_rate: f64,
-    /// The others that are not black on both sides.
+    /// The samples none of whose rays did and that are not black on both sides.
     pub lit: u64,
     /// Fraction of the lit samples that differ by at most 10⁻⁴.
     pub within_1e_4: f64,
@@ -109,7 +128,23 @@ struct Suspect {
     index: u64,
     gpu: DVec3,
     twin: DVec3,
-    flip: bool,
+    flip: Option<Flip>,
+}
+
+impl Suspect {
+    /// Whether rays met something else. Shadow rays that did but changed nothing to speak of did not: a light at the very
+    /// horizon is lit by rounding alone, and adds nothing.
+    fn is_flip(&self, floor: f64) -> bool {
+        match self.flip {
+            None => false,
+            Some(Flip::Shadow(_)) => self.difference(floor) > TOLERANCE,
+            Some(Flip::Camera | Flip::Bsdf) => true,
+        }
+    }
+
+    fn difference(&self, floor: f64) -> f64 {
+        difference(self.gpu, self.twin, floor)
+    }
 }
 
 /// Counts while samples come.
@@ -117,7 +152,8 @@ struct Suspect {
 pub struct Accumulator {
     film: FilmSize,
     samples: u64,
-    flips: Flips,
+    /// Shadow rays of all samples beyond the first of each.
+    further_rays: u64,
     histogram: [u64; DECADES + 2],
     lit: u64,
     not_finite: u64,
@@ -130,7 +166,7 @@ impl Accumulator {
         Self {
             film,
             samples: 0,
-            flips: Flips::default(),
+            further_rays: 0,
             histogram: [0; DECADES + 2],
             lit: 0,
             not_finite: 0,
@@ -142,27 +178,20 @@ impl Accumulator {
     pub fn add(&mut self, index: u64, gpu: &[SampleRecord], twin: &[Sample]) {
         for (pixel, (record, sample)) in gpu.iter().zip(twin).enumerate() {
             self.samples += 1;
+            self.further_rays += u64::from(sample.path.shadow.traced.saturating_sub(1));
             let suspect = Suspect {
                 pixel: pixel as u32,
                 index,
                 gpu: radiance(record),
                 twin: sample.radiance,
-                flip: false,
+                flip: flip(record, sample),
             };
             if !suspect.gpu.is_finite() {
                 self.not_finite += 1;
                 continue;
             }
-            if let Some(flip) = flip(record, sample) {
-                match flip {
-                    Flip::Camera => self.flips.camera += 1,
-                    Flip::Shadow => self.flips.shadow += 1,
-                    Flip::Bsdf => self.flips.bsdf += 1,
-                }
-                self.suspects.push(Suspect {
-                    flip: true,
-                    ..suspect
-                });
+            if suspect.flip.is_some() {
+                self.suspects.push(suspect);
                 continue;
             }
             if suspect.gpu.max(suspect.twin).max_element() <= 0.0 {
@@ -180,17 +209,17 @@ impl Accumulator {
     /// The result; `means` tells the image's mean.
     pub fn finish(self, twin: &Twin<'_>, means: &Means) -> PerSample {
         let floor = 0.1 * means.reference_mean().element_sum() / 3.0;
-        let differs = |s: &Suspect| difference(s.gpu, s.twin, floor);
-        let flips = self.flips.camera + self.flips.shadow + self.flips.bsdf;
+        let differs = |s: &Suspect| s.difference(floor);
+        let flips = Flips::count(self.suspects.iter().filter(|s| s.is_flip(floor)));
         let lit = self.lit.max(1) as f64;
-        let same_rays = || self.suspects.iter().filter(|s| !s.flip);
+        let same_rays = || self.suspects.iter().filter(|s| !s.is_flip(floor));
         let within =
             |bound: f64| 1.0 - same_rays().filter(|s| differs(s) > bound).count() as f64 / lit;
         let worst = |flip: bool| {
             let worst = self
                 .suspects
                 .iter()
-                .filter(|s| s.flip == flip)
+                .filter(|s| s.is_flip(floor) == flip)
                 .max_by(|a, b| differs(a).total_cmp(&differs(b)))?;
             let (x, y) = (worst.pixel % self.film.width, worst.pixel / self.film.width);
             let sample = twin.direct().sample_radiance(x, y, worst.index);
@@ -201,13 +230,13 @@ impl Accumulator {
                 difference: differs(worst),
                 gpu: worst.gpu.to_array(),
                 reference: worst.twin.to_array(),
-                cause: cause::cause(&sample, differs(worst), worst.flip),
+                cause: cause::cause(&sample, differs(worst), flip),
             })
         };
         PerSample {
             samples: self.samples,
-            flips: self.flips,
-            flip_rate: flips as f64 / self.samples.max(1) as f64,
+            flips,
+            flip_rate: flips.total() as f64 / (self.samples + self.further_rays).max(1) as f64,
             lit: self.lit,
             within_1e_4: within(1e-4),
             within_1e_3: within(TOLERANCE),

@@ -92,7 +92,7 @@ pub fn calibrate(
 ) -> Result<Vec<Calibration>, Error> {
     let mut calibrations = Vec::new();
     for &estimator in &settings.estimators {
-        let prepared = prepare(scene, estimator);
+        let prepared = prepare(scene, estimator)?;
         if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
             let source = scene.source.display();
             return Err(Error::Usage(format!("{source}: {estimator}: {reason}")));

@@ -1,7 +1,8 @@
 //! From measurements to what is told.
 
+use super::estimator::names;
 use super::interval::{Interval, NORMAL_95};
-use super::measures::{Lines, Point, ranks};
+use super::measures::{Lines, Point, Reached, ranks};
 use super::reference::{Reference, Source};
 use super::schedule::{Measured, Work};
 use super::{EstimatorCost, ReferenceFacts, SceneCost};
@@ -17,33 +18,38 @@ impl Work<'_, '_> {
         let curves = &measured.curves;
         let last = |points: &Vec<Point>| points.last().expect("three counts").efficiency;
         let ranks = ranks(&curves.iter().map(last).collect::<Vec<_>>());
-        let selections = self.runners.iter().map(|r| r.estimator.light_selection);
-        let several = selections.collect::<std::collections::HashSet<_>>().len() > 1;
-        let all = self.runners.iter().zip(curves).zip(ranks);
-        let estimators =
-            all.zip(measured.equal_time)
-                .map(|(((runner, points), rank), equal_time)| {
-                    let last = points.last().expect("three counts");
-                    let per = 1.0 / (last.samples as f64 * self.scene.film.pixels() as f64);
-                    let lines = Lines::new(points);
-                    let target = self.settings.target;
-                    let reach = |factor: f64| lines.and_then(|l| l.reach(factor * target));
-                    EstimatorCost {
-                        name: runner.estimator.name(several),
-                        estimator: runner.estimator,
-                        compile_seconds: runner.compile_seconds,
-                        seconds_per_sample: last.seconds.scaled(per),
-                        samples_per_second: 1.0 / (last.seconds.value * per),
-                        points: points.clone(),
-                        slope_samples: lines.map(|l| l.slope_samples()),
-                        slope_time: lines.map(|l| l.slope_time()),
-                        efficiency: last.efficiency,
-                        rank,
-                        reached: [10.0, 1.0, 0.1].into_iter().filter_map(reach).collect(),
-                        dropped: runner.dropped,
-                        equal_time,
-                    }
-                });
+        let compared: Vec<_> = self.runners.iter().map(|r| r.estimator).collect();
+        let runners = self.runners.iter().zip(names(&compared));
+        let all = runners.zip(curves).zip(ranks).zip(measured.equal_time);
+        let estimators = all.map(|((((runner, name), points), rank), equal_time)| {
+            let last = points.last().expect("three counts");
+            let per = 1.0 / (last.samples as f64 * self.scene.film.pixels() as f64);
+            let lines = Lines::new(points);
+            let target = self.settings.target;
+            // Where an error ends in a bias, a line says nothing beyond what was measured.
+            let known = |r: &Reached| runner.biased.is_none() || !r.extrapolated;
+            let reach = |factor: f64| lines.and_then(|l| l.reach(factor * target)).filter(known);
+            EstimatorCost {
+                name: if runner.biased.is_some() {
+                    format!("{name} (biased)")
+                } else {
+                    name
+                },
+                estimator: runner.estimator,
+                biased: runner.biased.clone(),
+                compile_seconds: runner.compile_seconds,
+                seconds_per_sample: last.seconds.scaled(per),
+                samples_per_second: 1.0 / (last.seconds.value * per),
+                points: points.clone(),
+                slope_samples: lines.map(|l| l.slope_samples()),
+                slope_time: lines.map(|l| l.slope_time()),
+                efficiency: last.efficiency,
+                rank,
+                reached: [10.0, 1.0, 0.1].into_iter().filter_map(reach).collect(),
+                dropped: runner.dropped,
+                equal_time,
+            }
+        });
         SceneCost {
             scene: self.scene.source.display().to_string(),
             width: self.scene.film.width,

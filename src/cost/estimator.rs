@@ -1,7 +1,9 @@
 //! Which estimators are compared on a scene.
 
+use crate::effects::Effect;
 use crate::emitters::{Emitter, Emitters};
-use crate::scene::{LightSelection, Sampler, Strategy};
+use crate::render::Prepared;
+use crate::scene::{LightSelection, Sampler, ShadowPattern, Strategy};
 use serde::Serialize;
 
 /// One way to estimate direct lighting.
@@ -11,29 +13,82 @@ pub struct Estimator {
     pub strategy: Strategy,
     /// How one of several lights is chosen.
     pub light_selection: LightSelection,
+    /// Shadow rays per camera ray, with light selection `all` per light.
+    pub shadow_rays: u32,
+    /// Where on the lights their points lie.
+    pub shadow_pattern: ShadowPattern,
     /// How random numbers are made.
     pub sampler: Sampler,
 }
 
 impl Estimator {
-    /// A name among estimators of which several choose lights in different ways, or all in the same.
-    pub fn name(&self, with_selection: bool) -> String {
-        if with_selection {
-            return self.to_string();
+    /// The estimator that `prepared`, made ready for this one, comes to: what makes no difference there is set to its
+    /// default.
+    pub fn effective(self, prepared: &Prepared) -> Self {
+        let calls_for = |effect| prepared.effects.contains(effect);
+        let selects = calls_for(Effect::LightChoice) || calls_for(Effect::AllLights);
+        Self {
+            light_selection: if selects {
+                self.light_selection
+            } else {
+                LightSelection::default()
+            },
+            shadow_rays: prepared.shadow_rays(),
+            shadow_pattern: prepared.shadow_pattern(),
+            ..self
         }
-        format!("{} · {}", self.strategy, self.sampler)
+    }
+
+    /// Its name with light selection, shadow rays and their pattern, each where `told`.
+    fn name(&self, told: Told) -> String {
+        let mut name = format!("{} · {}", self.strategy, self.sampler);
+        let mut tell = |told: bool, what: String| {
+            if told {
+                name.push_str(" · ");
+                name.push_str(&what);
+            }
+        };
+        tell(told.selection, self.light_selection.to_string());
+        let plural = if self.shadow_rays == 1 { "" } else { "s" };
+        tell(told.rays, format!("{} ray{plural}", self.shadow_rays));
+        tell(told.pattern, self.shadow_pattern.to_string());
+        name
     }
 }
 
+/// The whole name, without the shadow rays where there is nothing to say of them.
 impl std::fmt::Display for Estimator {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self {
-            strategy,
-            light_selection,
-            sampler,
-        } = self;
-        write!(f, "{strategy} · {sampler} · {light_selection}")
+        let told = Told {
+            selection: true,
+            rays: self.shadow_rays != 1,
+            pattern: self.shadow_pattern != ShadowPattern::Random,
+        };
+        f.write_str(&self.name(told))
     }
+}
+
+/// What a name tells besides strategy and sampler.
+#[derive(Debug, Clone, Copy, Default)]
+struct Told {
+    selection: bool,
+    rays: bool,
+    pattern: bool,
+}
+
+/// Names of `estimators`, which tell what differs among them.
+pub fn names(estimators: &[Estimator]) -> Vec<String> {
+    let differ = |key: &dyn Fn(&Estimator) -> u32| {
+        let mut keys = estimators.iter().map(key);
+        let first = keys.next();
+        keys.any(|k| Some(k) != first)
+    };
+    let told = Told {
+        selection: differ(&|e| e.light_selection as u32),
+        rays: differ(&|e| e.shadow_rays),
+        pattern: differ(&|e| e.shadow_pattern as u32),
+    };
+    estimators.iter().map(|e| e.name(told)).collect()
 }
 
 /// An estimator that a scene cannot use.
@@ -46,24 +101,45 @@ pub struct NotApplicable {
     pub reason: String,
 }
 
-/// All combinations.
-pub fn combinations(
-    strategies: &[Strategy],
-    selections: &[LightSelection],
-    samplers: &[Sampler],
-) -> Vec<Estimator> {
+/// What to combine into estimators.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Choices {
+    /// How directions are chosen.
+    pub strategies: Vec<Strategy>,
+    /// How one of several lights is chosen.
+    pub light_selections: Vec<LightSelection>,
+    /// Shadow rays per camera ray.
+    pub shadow_rays: Vec<u32>,
+    /// Where on the lights their points lie.
+    pub shadow_patterns: Vec<ShadowPattern>,
+    /// How random numbers are made.
+    pub samplers: Vec<Sampler>,
+}
+
+/// All combinations, each once.
+pub fn combinations(choices: &Choices) -> Vec<Estimator> {
     let mut all = Vec::new();
-    for &strategy in strategies {
-        for &light_selection in selections {
-            for &sampler in samplers {
-                all.push(Estimator {
-                    strategy,
-                    light_selection,
-                    sampler,
-                });
+    for &strategy in &choices.strategies {
+        for &light_selection in &choices.light_selections {
+            for &shadow_rays in &choices.shadow_rays {
+                for &shadow_pattern in &choices.shadow_patterns {
+                    all.extend(choices.samplers.iter().map(|&sampler| Estimator {
+                        strategy,
+                        light_selection,
+                        shadow_rays,
+                        shadow_pattern,
+                        sampler,
+                    }));
+                }
             }
         }
     }
+    let mut seen = Vec::new();
+    all.retain(|e| {
+        let new = !seen.contains(e);
+        seen.push(*e);
+        new
+    });
     all
 }
 
@@ -122,19 +198,31 @@ mod tests {
     }
 
     #[test]
-    fn all_combinations_are_there() {
-        let all = combinations(
-            &[Strategy::Bsdf, Strategy::MisPower],
-            &[LightSelection::Power],
-            &[Sampler::Independent, Sampler::Sobol],
-        );
-        let names: Vec<_> = all.iter().map(|e| e.name(false)).collect();
+    fn all_combinations_are_there_once_and_are_named_by_what_differs() {
+        let mut choices = Choices {
+            strategies: vec![Strategy::Bsdf, Strategy::MisPower],
+            light_selections: vec![LightSelection::Power],
+            shadow_rays: vec![1],
+            shadow_patterns: vec![ShadowPattern::Random],
+            samplers: vec![Sampler::Independent, Sampler::Sobol, Sampler::Independent],
+        };
         let expected = [
             "bsdf · independent",
             "bsdf · sobol",
             "mis-power · independent",
             "mis-power · sobol",
         ];
-        assert_eq!(names, expected);
+        assert_eq!(names(&combinations(&choices)), expected);
+        choices.strategies.remove(0);
+        choices.samplers.truncate(1);
+        choices.shadow_rays = vec![1, 4];
+        choices.shadow_patterns.push(ShadowPattern::Stratified);
+        let expected = [
+            "mis-power · independent · 1 ray · random",
+            "mis-power · independent · 1 ray · stratified",
+            "mis-power · independent · 4 rays · random",
+            "mis-power · independent · 4 rays · stratified",
+        ];
+        assert_eq!(names(&combinations(&choices)), expected);
     }
 }

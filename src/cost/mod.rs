@@ -15,6 +15,7 @@
 //! | rank | 1 plus the number of estimators whose efficiency's interval lies above; overlapping intervals are ties |
 
 pub mod calibrate;
+mod compile;
 mod conclude;
 pub mod error;
 pub mod estimator;
@@ -108,6 +109,8 @@ pub struct EstimatorCost {
     /// The estimator.
     #[serde(flatten)]
     pub estimator: Estimator,
+    /// Why its images do not converge to direct lighting, so that its error does not fall to zero; none where they do.
+    pub biased: Option<String>,
     /// Seconds that compiling its kernel took, the driver's part included.
     pub compile_seconds: f64,
     /// Seconds per sample of one pixel, at the largest count.

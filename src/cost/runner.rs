@@ -3,11 +3,11 @@
 use super::error::Errors;
 use super::estimator::Estimator;
 use super::halt::Halt;
-use crate::error::GpuError;
+use crate::error::{GpuError, InputError};
 use crate::gpu::Context;
 use crate::render::goal::{Look, Watch};
-use crate::render::{ErrorGoal, Film, Prepared, RayCounts, Session, StopReason};
-use crate::scene::{FilmSize, Scene};
+use crate::render::{ErrorGoal, Film, Patterns, Prepared, RayCounts, Session, StopReason};
+use crate::scene::{FilmSize, Scene, validate};
 use std::time::Instant;
 
 /// Seeds that differ from each other, all derived from one.
@@ -53,6 +53,10 @@ pub struct Runner<'a> {
     /// The estimator.
     pub estimator: Estimator,
     session: Session<'a>,
+    /// Shadow rays of a camera ray that differ, with light selection `all` per light.
+    shadow_rays: u32,
+    /// Why its images do not converge to direct lighting; none where they do.
+    pub biased: Option<String>,
     /// Seconds that compiling took.
     pub compile_seconds: f64,
     /// Primitives of the scene.
@@ -79,6 +83,8 @@ impl<'a> Runner<'a> {
             estimator,
             compile_seconds: session.compile_seconds,
             session,
+            shadow_rays: prepared.shadow_rays(),
+            biased: prepared.bias(),
             primitives: prepared.primitives.len(),
             seconds_per_count: f64::INFINITY,
             dropped: 0,
@@ -91,7 +97,8 @@ impl<'a> Runner<'a> {
     /// The driver fails.
     pub fn run_to(&mut self, seed: u32, goal: ErrorGoal) -> Result<(Run, u64), GpuError> {
         let session = &mut self.session;
-        session.restart(seed, self.estimator.sampler.pattern(u64::MAX))?;
+        let patterns = Patterns::new(self.estimator.sampler, u64::MAX, self.shadow_rays);
+        session.restart(seed, patterns)?;
         let mut watch = Watch::new(goal);
         let start = Instant::now();
         let mut passes = 0;
@@ -117,14 +124,14 @@ impl<'a> Runner<'a> {
         Ok((run, samples))
     }
 
-    /// Renders `samples` samples of every pixel.
     /// Renders `samples` samples of every pixel, unless `stop` asks to end before.
     ///
     /// # Errors
     /// It was stopped, or the driver fails.
     pub fn run(&mut self, seed: u32, samples: u64, stop: &dyn Fn() -> bool) -> Result<Run, Halt> {
         let session = &mut self.session;
-        session.restart(seed, self.estimator.sampler.pattern(samples))?;
+        let patterns = Patterns::new(self.estimator.sampler, samples, self.shadow_rays);
+        session.restart(seed, patterns)?;
         let start = Instant::now();
         let mut passes = 0;
         while session.samples() < samples {
@@ -159,12 +166,23 @@ pub struct Replicates {
 }
 
 /// The scene as `estimator` renders it, ready.
-pub fn prepare(scene: &Scene, estimator: Estimator) -> Prepared {
+///
+/// # Errors
+/// It has too many lights for the estimator.
+pub fn prepare(scene: &Scene, estimator: Estimator) -> Result<Prepared, InputError> {
     let mut scene = scene.clone();
     scene.render.strategy = estimator.strategy;
     scene.render.light_selection = estimator.light_selection;
+    scene.render.shadow_rays = estimator.shadow_rays;
+    scene.render.shadow_pattern = estimator.shadow_pattern;
     scene.render.sampler = estimator.sampler;
-    Prepared::new(scene, estimator.strategy, estimator.light_selection)
+    validate::settings(&scene)?;
+    let Estimator {
+        strategy,
+        light_selection,
+        ..
+    } = estimator;
+    Ok(Prepared::new(scene, strategy, light_selection))
 }
 
 #[cfg(test)]

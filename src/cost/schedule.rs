@@ -1,15 +1,15 @@
 //! How the budget is spent.
 
 use super::error::{Errors, ImageError, rel_mse, relative_errors};
-use super::estimator::{self, Estimator, NotApplicable};
+use super::estimator::NotApplicable;
 use super::halt::Halt;
 use super::measures::{Point, time_spread};
 use super::reference::{self, Reference, Source};
-use super::runner::{Replicates, Runner, Seeds, prepare};
+use super::runner::{Replicates, Runner, Seeds};
 use super::{EqualTime, Progress, SceneCost, Settings};
 use crate::error::Error;
 use crate::gpu::Context;
-use crate::scene::{Sampler, Scene, Strategy};
+use crate::scene::{Sampler, Scene};
 
 /// Part of the budget for a reference of one's own.
 const REFERENCE_SHARE: f64 = 0.3;
@@ -36,7 +36,7 @@ pub(super) struct Work<'a, 's> {
     /// Seconds of rendering so far.
     pub(super) spent: f64,
     /// Whether to end.
-    stop: &'s dyn Fn() -> bool,
+    pub(super) stop: &'s dyn Fn() -> bool,
 }
 
 /// What a result is told from.
@@ -110,52 +110,6 @@ impl<'a, 's> Work<'a, 's> {
             spent: 0.0,
             stop,
         }
-    }
-
-    fn compile(
-        &mut self,
-        context: &'a Context,
-        own_reference: bool,
-        progress: Progress<'_>,
-    ) -> Result<(), Halt> {
-        let (scene, settings) = (self.scene, self.settings);
-        for &estimator in &settings.estimators {
-            if (self.stop)() {
-                return Err(Halt::Stopped);
-            }
-            progress(&format!("compiling {estimator}"), 0.0);
-            let prepared = prepare(scene, estimator);
-            if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
-                self.not_applicable
-                    .push(NotApplicable { estimator, reason });
-                continue;
-            }
-            let runner = Runner::new(context, &prepared, scene.film, estimator)?;
-            self.runners.push(runner);
-        }
-        if self.runners.is_empty() {
-            let reasons = self.not_applicable.iter();
-            let reasons: Vec<_> = reasons
-                .map(|n| format!("{}: {}", n.estimator, n.reason))
-                .collect();
-            return Err(Error::Usage(format!(
-                "{}: no estimator is applicable: {}",
-                scene.source.display(),
-                reasons.join("; ")
-            ))
-            .into());
-        }
-        if own_reference {
-            let estimator = Estimator {
-                strategy: Strategy::MisPower,
-                light_selection: settings.estimators[0].light_selection,
-                sampler: Sampler::Sobol,
-            };
-            progress("compiling the reference", 0.0);
-            let prepared = prepare(scene, estimator);
-            self.own = Some(Runner::new(context, &prepared, scene.film, estimator)?);
-        }
-        Ok(())
     }
 
     /// Renders one sample per pixel twice: the first run warms up, the second tells how fast each estimator is.

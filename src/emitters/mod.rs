@@ -1,11 +1,12 @@
-//! Everything that emits, as one list with selection probabilities.
+//! Everything that emits, as one list, and which of it light sampling chooses.
 
 mod environment;
+mod selection;
 
 pub use environment::EnvironmentGrid;
+pub use selection::Selection;
 
 use crate::accel::Primitive;
-use crate::scene::alias_table::AliasTable;
 use crate::scene::normalize::Normalization;
 use crate::scene::{Environment, EnvironmentRadiance, Light, LightSelection, Scene, Strategy};
 use glam::DVec3;
@@ -35,7 +36,7 @@ pub struct Emitters {
     /// The lights. Those without power are left out.
     pub lights: Vec<Emitter>,
     /// How light sampling chooses; `None` where it has nothing to choose from.
-    pub selection: Option<AliasTable>,
+    pub selection: Option<Selection>,
     /// How a direction towards the environment map is chosen, where there is a map that emits.
     pub environment: Option<EnvironmentGrid>,
 }
@@ -105,22 +106,41 @@ impl Emitters {
             .zip(&power)
             .map(|(light, &power)| match (strategy, light, selection) {
                 (s, Emitter::Area { .. } | Emitter::Environment, _) if !s.samples_lights() => 0.0,
-                (_, _, LightSelection::Uniform) => 1.0,
+                (_, _, LightSelection::Uniform | LightSelection::All) => 1.0,
                 (_, _, LightSelection::Power) => power,
             })
             .collect();
         Self {
             lights,
-            selection: AliasTable::new(&weights),
+            selection: Selection::new(&weights, selection),
             environment: grid,
         }
     }
 
-    /// Probability with which light selection chooses light `index`.
+    /// Probability with which a light sample is one of light `index`; 1 where every light has its own.
     pub fn probability(&self, index: usize) -> f64 {
         self.selection
             .as_ref()
-            .map_or(0.0, |t| t.probability[index])
+            .map_or(0.0, |selection| selection.probability(index))
+    }
+
+    /// Light samples of a camera ray that go to light `index`, in the mean: n·p, which is what multiplies the density of
+    /// light sampling when several samples are taken (Veach 1997, eq. 9.8). `rays` is the number of shadow rays. Where
+    /// every light has its own, those without extent have one: a second would be the same.
+    pub fn samples(&self, index: usize, rays: u32) -> f64 {
+        let own = matches!(self.selection, Some(Selection::All(_)));
+        let rays = match self.lights[index] {
+            Emitter::Delta(_) if own => 1,
+            _ => rays,
+        };
+        f64::from(rays) * self.probability(index)
+    }
+
+    /// The lights that light sampling chooses.
+    pub fn sampled(&self) -> impl Iterator<Item = &Emitter> {
+        let lights = self.lights.iter().enumerate();
+        let sampled = lights.filter(|(index, _)| self.probability(*index) > 0.0);
+        sampled.map(|(_, light)| light)
     }
 }
 

@@ -41,7 +41,7 @@ impl EnvironmentBuffers {
                 adapter: context.adapter.name.clone(),
             });
         }
-        let words = alias_words(&grid.table);
+        let words = alias_words(&grid.table, |cell| grid.table.probability[cell]);
         context.checked(|| Self {
             alias: GpuBuffer::storage(&context.device, "scene.environment_alias", &words),
             texels: upload_texels(context, map),

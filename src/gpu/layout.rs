@@ -40,7 +40,7 @@ pub struct Frame {
     pub environment_height: u32,
     /// Third row.
     pub environment_z: [f32; 3],
-    /// Probability that light selection chooses the environment.
+    /// Light samples of the environment per camera ray, in the mean.
     pub environment_selection: f32,
     /// Constant radiance, or the factor on the map's.
     pub environment_radiance: [f32; 3],
@@ -50,6 +50,16 @@ pub struct Frame {
     pub environment_grid: [u32; 2],
     /// Of the sampler: logarithms of the jittered grid's columns and rows, or of the samples per pixel.
     pub pattern: [u32; 2],
+    /// The same for the light samples of a pixel.
+    pub light_pattern: [u32; 2],
+    /// Shadow rays per camera ray, with light selection `all` per light.
+    pub shadow_rays: u32,
+    /// Columns of the grid that their points lie on.
+    pub shadow_columns: u32,
+    /// What a ray's words for light and environment texel are ahead of the ray's before.
+    pub shadow_steps: [u32; 2],
+    /// Unused.
+    pub padding: [u32; 2],
 }
 
 /// `Dispatch` of `shaders/types.wesl`: what changes from dispatch to dispatch.
@@ -102,7 +112,7 @@ pub struct PixelState {
 pub struct SampleRecord {
     /// Radiance of the sample.
     pub radiance: [f32; 3],
-    /// How the shadow ray ended: `SHADOW_…`.
+    /// Its shadow rays: multiples of `SHADOW_…`.
     pub shadow: u32,
     /// The part of the radiance that light sampling found.
     pub by_light: [f32; 3],
@@ -112,6 +122,18 @@ pub struct SampleRecord {
     pub by_bsdf: [f32; 3],
     /// Primitive that the BSDF-sampled ray met, [`NONE`], or [`NOT_TRACED`].
     pub bsdf_primitive: u32,
+}
+
+impl SampleRecord {
+    /// Shadow rays traced.
+    pub fn shadow_rays(&self) -> u32 {
+        self.shadow % SHADOW_CLEAR
+    }
+
+    /// Those that met nothing.
+    pub fn clear_shadow_rays(&self) -> u32 {
+        self.shadow / SHADOW_CLEAR
+    }
 }
 
 /// Most samples that are accumulated in f32 before the host merges them in f64.
@@ -183,12 +205,10 @@ shared! {
     "scene::fetch" LIGHT_ENVIRONMENT = 7;
     /// Set in a light's head where its back emits as well.
     "scene::fetch" TWO_SIDED_BIT = 8;
-    /// No shadow ray was traced.
-    "kernel::sample_record" SHADOW_NOT_TRACED = 0;
-    /// The shadow ray met nothing.
-    "kernel::sample_record" SHADOW_CLEAR = 1;
-    /// The shadow ray met something.
-    "kernel::sample_record" SHADOW_BLOCKED = 2;
+    /// What a traced shadow ray adds to `SampleRecord::shadow`.
+    "kernel::sample_record" SHADOW_TRACED = 1;
+    /// What one that met nothing adds to it as well.
+    "kernel::sample_record" SHADOW_CLEAR = 1 << 16;
     /// The BSDF-sampled ray was not traced.
     "kernel::sample_record" NOT_TRACED = 0xffff_fffe;
 }

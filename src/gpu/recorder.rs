@@ -99,7 +99,7 @@ impl<'a> Recorder<'a> {
             let x = tile % tiles_per_row * TILE + dx;
             let y = tile / tiles_per_row * TILE + dy;
             if x < width && y < height {
-                unwritten += usize::from(record.shadow == POISON);
+                unwritten += usize::from(record.bsdf_primitive == POISON);
                 out[y as usize * width as usize + x as usize] = *record;
             }
         }

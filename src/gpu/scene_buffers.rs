@@ -9,7 +9,7 @@ use super::layout::{
     NONE, ONE_SIDED_BIT, TILE, TWO_SIDED_BIT,
 };
 use crate::accel::{Node, Primitive, PrimitiveGeometry};
-use crate::emitters::{Emitter, Emitters};
+use crate::emitters::{Emitter, Selection};
 use crate::error::GpuError;
 use crate::render::Prepared;
 use crate::scene::alias_table::AliasTable;
@@ -45,12 +45,10 @@ impl SceneBuffers {
         let primitives = primitive_words(prepared);
         let materials = material_words(&prepared.scene);
         let lights = light_words(prepared);
-        let alias = prepared
-            .emitters
-            .selection
-            .as_ref()
-            .map(alias_words)
-            .unwrap_or_default();
+        let table = prepared.emitters.selection.as_ref();
+        let table = table.and_then(Selection::table);
+        let samples = |index| prepared.light_samples(index);
+        let alias = table.map_or_else(Vec::new, |table| alias_words(table, samples));
         for (what, bytes) in [
             (
                 "the BVH's nodes",
@@ -150,13 +148,13 @@ fn material_words(scene: &Scene) -> Vec<Word> {
 }
 
 fn light_words(prepared: &Prepared) -> Vec<Word> {
-    let emitters: &Emitters = &prepared.emitters;
-    let words = emitters
+    let words = prepared
+        .emitters
         .lights
         .iter()
         .enumerate()
         .flat_map(|(index, emitter)| {
-            let pmf = bits(emitters.probability(index));
+            let samples = bits(prepared.light_samples(index));
             match *emitter {
                 Emitter::Area {
                     primitive,
@@ -166,12 +164,15 @@ fn light_words(prepared: &Prepared) -> Vec<Word> {
                     &prepared.primitives[primitive as usize].geometry,
                     radiance,
                     two_sided,
-                    pmf,
+                    samples,
                 ),
-                Emitter::Delta(light) => delta_light(&light, pmf),
-                Emitter::Environment => {
-                    [[0, 0, 0, LIGHT_ENVIRONMENT], [0, 0, 0, pmf], [0; 4], [0; 4]]
-                }
+                Emitter::Delta(light) => delta_light(&light, samples),
+                Emitter::Environment => [
+                    [0, 0, 0, LIGHT_ENVIRONMENT],
+                    [0, 0, 0, samples],
+                    [0; 4],
+                    [0; 4],
+                ],
             }
         });
     words.collect()
@@ -181,7 +182,7 @@ fn area_light(
     geometry: &PrimitiveGeometry,
     radiance: DVec3,
     two_sided: bool,
-    pmf: u32,
+    samples: u32,
 ) -> [Word; 4] {
     let flags = if two_sided { TWO_SIDED_BIT } else { 0 };
     let (kind, a, u, v) = match *geometry {
@@ -197,7 +198,7 @@ fn area_light(
     };
     [
         word(a, kind | flags),
-        word(u, pmf),
+        word(u, samples),
         word(v, bits(geometry.area())),
         word(radiance, 0),
     ]
@@ -206,14 +207,14 @@ fn area_light(
 /// Largest reciprocal of a spot's falloff range: equal angles make a step.
 const SPOT_STEP: f64 = 1_048_576.0;
 
-fn delta_light(light: &Light, pmf: u32) -> [Word; 4] {
+fn delta_light(light: &Light, samples: u32) -> [Word; 4] {
     match *light {
         Light::Point {
             position,
             intensity,
         } => [
             word(position, LIGHT_POINT),
-            word(DVec3::ZERO, pmf),
+            word(DVec3::ZERO, samples),
             [0; 4],
             word(intensity, 0),
         ],
@@ -228,7 +229,7 @@ fn delta_light(light: &Light, pmf: u32) -> [Word; 4] {
             let inv_range = (1.0 / (inner - outer).max(1.0 / SPOT_STEP)).min(SPOT_STEP);
             [
                 word(position, LIGHT_SPOT),
-                word(direction, pmf),
+                word(direction, samples),
                 word(DVec3::new(outer, inv_range, 0.0), 0),
                 word(intensity, 0),
             ]
@@ -238,17 +239,17 @@ fn delta_light(light: &Light, pmf: u32) -> [Word; 4] {
             irradiance,
         } => [
             word(-direction, LIGHT_DIRECTIONAL),
-            word(DVec3::ZERO, pmf),
+            word(DVec3::ZERO, samples),
             [0; 4],
             word(irradiance, 0),
         ],
     }
 }
 
-/// Threshold, alias, probability of the index itself and of its alias.
-pub(super) fn alias_words(table: &AliasTable) -> Vec<Word> {
+/// Threshold, alias, and `density` of the index itself and of its alias.
+pub(super) fn alias_words(table: &AliasTable, density: impl Fn(usize) -> f64) -> Vec<Word> {
     let words = table.entries.iter().enumerate().map(|(i, e)| {
-        let p = |i: usize| bits(table.probability[i]);
+        let p = |i: usize| bits(density(i));
         [e.threshold, e.alias, p(i), p(e.alias as usize)]
     });
     words.collect()
@@ -261,6 +262,8 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
     let half_height = (0.5 * camera.fov_y).tan();
     let f3 = |v: DVec3| v.as_vec3().to_array();
     let eye = n.point(camera.eye);
+    let patterns = prepared.patterns();
+    let shadow_grid = prepared.shadow_grid();
     let mut frame = Frame {
         eye: f3(eye),
         width: film.width,
@@ -275,7 +278,11 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
         grid_scale: prepared.bvh.grid_scale.to_array(),
         light_count: prepared.emitters.lights.len() as u32,
         far: 4.0,
-        pattern: prepared.pattern(),
+        pattern: patterns.pixel,
+        light_pattern: patterns.light,
+        shadow_rays: shadow_grid.rays,
+        shadow_columns: shadow_grid.columns,
+        shadow_steps: shadow_grid.steps,
         ..Frame::default()
     };
     if let Some(environment) = &prepared.scene.environment {
@@ -291,8 +298,7 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
             .lights
             .iter()
             .position(|l| *l == Emitter::Environment);
-        frame.environment_selection =
-            index.map_or(0.0, |i| prepared.emitters.probability(i)) as f32;
+        frame.environment_selection = index.map_or(0.0, |i| prepared.light_samples(i)) as f32;
         match &environment.radiance {
             EnvironmentRadiance::Constant(radiance) => {
                 frame.environment_radiance = f3(*radiance * environment.scale);

@@ -22,6 +22,8 @@ pub enum BrokenTwin {
     MisWeights,
     /// Reflected light is multiplied by the surface's cosine once more
     ExtraCosine,
+    /// The MIS weights of BSDF samples take several shadow rays for one
+    RaysForgotten,
 }
 
 /// A row of the table.
@@ -83,6 +85,17 @@ pub const BROKEN_TWINS: &[Row] = &[
         description: "reflected light is multiplied by the surface's cosine once more",
         applies: samples_anything,
     },
+    Row {
+        twin: BrokenTwin::RaysForgotten,
+        name: "rays-forgotten",
+        description: "the MIS weights of BSDF samples take several shadow rays for one",
+        applies: |p| {
+            let extended = |light: &Emitter| !matches!(light, Emitter::Delta(_));
+            p.shadow_rays() > 1
+                && p.effects.contains(Effect::SampleBsdf)
+                && p.emitters.sampled().any(extended)
+        },
+    },
 ];
 
 fn samples_anything(p: &Prepared) -> bool {
@@ -136,6 +149,14 @@ impl BrokenTwin {
         match broken {
             Some(Self::MisWeights) => 0.98 * weight,
             _ => weight,
+        }
+    }
+
+    /// Shadow rays in the MIS weight of a BSDF sample.
+    pub fn rays(broken: Option<Self>, rays: u32) -> u32 {
+        match broken {
+            Some(Self::RaysForgotten) => 1,
+            _ => rays,
         }
     }
 

@@ -19,5 +19,6 @@ pub mod scene;
 pub mod twin;
 
 pub use broken::BrokenTwin;
-pub use kernel::direct::{BsdfRay, Conditions, Direct, Path, Sample, Shadow};
+pub use kernel::direct::Direct;
+pub use kernel::sample::{BsdfRay, Conditions, Path, Sample, Shadow};
 pub use twin::{Twin, UnsupportedEffect};

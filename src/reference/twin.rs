@@ -1,7 +1,8 @@
 //! The twin: every sample of an image, in f64, on all cores.
 
 use super::broken::BrokenTwin;
-use super::kernel::direct::{Direct, Sample};
+use super::kernel::direct::Direct;
+use super::kernel::sample::Sample;
 use crate::effects::{Effect, Effects};
 use crate::render::Prepared;
 use crate::scene::FilmSize;
@@ -28,6 +29,11 @@ pub const SUPPORTED: &[Effect] = &[
     Effect::EnvironmentMap,
     Effect::EnvironmentLinear,
     Effect::LightChoice,
+    Effect::AllLights,
+    Effect::ShadowRays,
+    Effect::CenterPattern,
+    Effect::GridPattern,
+    Effect::StratifiedPattern,
     Effect::SampleLights,
     Effect::SampleBsdf,
     Effect::UniformHemisphere,

@@ -12,5 +12,5 @@ pub use check::Check;
 pub use error::{BLUE_NOISE_TILE, CONFIDENCE, ImageError};
 pub use film::{Film, FirstBad, Ledger};
 pub use goal::ErrorGoal;
-pub use prepare::Prepared;
+pub use prepare::{Patterns, Prepared};
 pub use session::{RayCounts, Session, StopReason};

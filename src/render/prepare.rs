@@ -1,10 +1,10 @@
 //! From a scene to everything that the GPU needs.
 
 use crate::accel::{self, Bvh, Primitive};
-use crate::effects::{self, Effects};
+use crate::effects::{self, Effect, Effects};
 use crate::emitters::Emitters;
 use crate::scene::normalize::Normalization;
-use crate::scene::{LightSelection, Scene, Strategy};
+use crate::scene::{LightSelection, Sampler, Scene, ShadowGrid, ShadowPattern, Strategy};
 
 /// A scene made ready: normalised, with its acceleration structure, lights and effects.
 #[derive(Debug)]
@@ -51,9 +51,77 @@ impl Prepared {
         (self.bvh.depth.max(1) as u32).next_multiple_of(4)
     }
 
-    /// What the sampler's pattern is made for; see [`Sampler::pattern`](crate::scene::Sampler::pattern).
-    pub fn pattern(&self) -> [u32; 2] {
+    /// What the sampler's patterns are made for.
+    pub fn patterns(&self) -> Patterns {
         let settings = self.scene.render;
-        settings.sampler.pattern(settings.spp)
+        Patterns::new(settings.sampler, settings.spp, self.shadow_rays())
+    }
+
+    /// Shadow rays per camera ray, with light selection `all` per light: 1 where a second would be the same.
+    pub fn shadow_rays(&self) -> u32 {
+        if self.effects.contains(Effect::ShadowRays) {
+            self.scene.render.shadow_rays
+        } else {
+            1
+        }
+    }
+
+    /// Where on the lights their points lie: `random` where a pattern makes no difference.
+    pub fn shadow_pattern(&self) -> ShadowPattern {
+        let patterns = [
+            (Effect::CenterPattern, ShadowPattern::Center),
+            (Effect::GridPattern, ShadowPattern::Grid),
+            (Effect::StratifiedPattern, ShadowPattern::Stratified),
+        ];
+        let mut patterns = patterns.into_iter();
+        let called_for = patterns.find(|(effect, _)| self.effects.contains(*effect));
+        called_for.map_or(ShadowPattern::Random, |(_, pattern)| pattern)
+    }
+
+    /// The grid that they lie on, where there is a pattern, and the lattice of their choices.
+    pub fn shadow_grid(&self) -> ShadowGrid {
+        ShadowGrid::new(self.shadow_rays())
+    }
+
+    /// Light samples of a camera ray that go to light `index`, in the mean; see [`Emitters::samples`].
+    pub fn light_samples(&self, index: usize) -> f64 {
+        self.emitters.samples(index, self.shadow_rays())
+    }
+
+    /// Most light samples of a camera ray.
+    pub fn most_light_samples(&self) -> f64 {
+        let lights = 0..self.emitters.lights.len();
+        lights.map(|index| self.light_samples(index)).sum()
+    }
+
+    /// Why images do not converge to direct lighting; `None` where they do.
+    pub fn bias(&self) -> Option<String> {
+        let fixed = [ShadowPattern::Center, ShadowPattern::Grid];
+        fixed.contains(&self.shadow_pattern()).then(|| {
+            let pattern = self.scene.render.shadow_pattern;
+            format!(
+                "shadow_pattern = \"{pattern}\": shadow rays end at the same points of the lights in all samples, so that the image \
+                 converges to a quadrature, not to direct lighting"
+            )
+        })
+    }
+}
+
+/// Numbers that the sampler's patterns are made for; see [`Sampler::pattern`](crate::scene::Sampler::pattern).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Patterns {
+    /// For the samples of a pixel.
+    pub pixel: [u32; 2],
+    /// For the light samples of a pixel.
+    pub light: [u32; 2],
+}
+
+impl Patterns {
+    /// Those of `sampler` for `spp` samples per pixel with `rays` shadow rays each.
+    pub fn new(sampler: Sampler, spp: u64, rays: u32) -> Self {
+        Self {
+            pixel: sampler.pattern(spp),
+            light: sampler.light_pattern(spp, rays),
+        }
     }
 }

@@ -6,7 +6,7 @@
 //! change the image: a pixel's state goes on exactly from where it stood.
 
 use super::film::Film;
-use super::prepare::Prepared;
+use super::prepare::{Patterns, Prepared};
 use crate::error::GpuError;
 use crate::gpu::kernel::{DIRECT, RegionBindings, SceneBindings, SceneKernel};
 use crate::gpu::layout::{
@@ -26,7 +26,7 @@ const MAX_WORKGROUPS: u32 = 65_535;
 const HARDWARE_DISPATCH: Duration = Duration::from_millis(80);
 /// How long it should take in software, where only the progress display waits for it.
 const SOFTWARE_DISPATCH: Duration = Duration::from_millis(250);
-/// Pixel-samples of the first dispatch, before anything has been measured.
+/// Pixel-samples of the first dispatch, before anything has been measured, where each takes one shadow ray.
 const FIRST_BUDGET: u64 = 1 << 15;
 /// Dispatches without a finished pixel after which a scene counts as too deep for the driver's loops.
 const MAX_RETRIES: u32 = 4096;
@@ -161,7 +161,7 @@ impl<'a> Session<'a> {
             rays: RayCounts::default(),
             merged: 0,
             position: 0,
-            budget: FIRST_BUDGET,
+            budget: first_budget(prepared),
             compile_seconds: 0.0,
             dispatches: 0,
         };
@@ -180,15 +180,15 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// Begins again without compiling anew: with other random numbers, for a sampler's `pattern` (see
-    /// [`Sampler::pattern`](crate::scene::Sampler::pattern)). What was rendered is forgotten, how long a dispatch takes is
-    /// not.
+    /// Begins again without compiling anew: with other random numbers, of a sampler with other `patterns`. What was
+    /// rendered is forgotten, how long a dispatch takes is not.
     ///
     /// # Errors
     /// The driver fails.
-    pub fn restart(&mut self, seed: u32, pattern: [u32; 2]) -> Result<(), GpuError> {
+    pub fn restart(&mut self, seed: u32, patterns: Patterns) -> Result<(), GpuError> {
         self.frame_data.seed = seed;
-        self.frame_data.pattern = pattern;
+        self.frame_data.pattern = patterns.pixel;
+        self.frame_data.light_pattern = patterns.light;
         let bytes = bytemuck::bytes_of(&self.frame_data);
         let queue = &self.context.queue;
         self.context
@@ -359,6 +359,12 @@ impl<'a> Session<'a> {
             self.context.queue.submit([encoder.finish()]);
         })
     }
+}
+
+/// Pixel-samples of the first dispatch.
+fn first_budget(prepared: &Prepared) -> u64 {
+    let rays = prepared.most_light_samples().max(1.0);
+    ((FIRST_BUDGET as f64 / rays) as u64).max(u64::from(TILE_PIXELS))
 }
 
 /// Merges the states of a region's tiles into the film.

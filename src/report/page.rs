@@ -322,7 +322,7 @@ fn footer(machine: &Machine) -> String {
     )
 }
 
-const DEFINITIONS: [(&str, &str); 9] = [
+const DEFINITIONS: [(&str, &str); 10] = [
     (
         "relMSE",
         "mean over pixels and channels of (x − r)² / (r² + 0.01·mean(r)²), x the image and r the reference, less the reference's own error where that is known",
@@ -346,6 +346,10 @@ const DEFINITIONS: [(&str, &str); 9] = [
     (
         "rank",
         "1 plus the number of estimators whose interval of efficiency lies above; overlapping intervals are ties",
+    ),
+    (
+        "biased",
+        "shadow rays end at the same points of the lights in all samples: the error falls to that of this quadrature, not to zero",
     ),
     (
         "images",

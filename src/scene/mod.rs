@@ -12,6 +12,7 @@ pub mod load;
 pub mod material;
 pub mod normalize;
 pub mod settings;
+pub mod shadow_rays;
 pub mod shape;
 pub mod validate;
 
@@ -21,6 +22,7 @@ pub use ids::{MaterialId, ShapeId};
 pub use light::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
 pub use material::{Bsdf, Material};
 pub use settings::{LightSampling, LightSelection, RenderSettings, Sampler, Strategy};
+pub use shadow_rays::{ShadowGrid, ShadowPattern};
 pub use shape::{Emission, Geometry, Mesh, Shape};
 
 /// Everything that is rendered, in world space and f64.
@@ -46,4 +48,21 @@ pub struct Scene {
     pub expect: Option<Expect>,
     /// What the file asks for and direkt does not do, or what was dropped: one sentence each.
     pub warnings: Vec<String>,
+}
+
+impl Scene {
+    /// Light samples that a camera ray takes with light selection `all`: each primitive that emits and the environment have
+    /// as many as there are shadow rays, where the strategy samples them; lights without a surface, which nothing else
+    /// reaches, have one.
+    pub fn samples_of_all_lights(&self) -> u64 {
+        let mut samples = self.lights.len() as u64;
+        if self.render.strategy.samples_lights() {
+            let lit = |e: Emission| e.radiance.max_element() > 0.0;
+            let emitting = self.shapes.iter().filter(|s| s.emission.is_some_and(lit));
+            let primitives: u64 = emitting.map(|s| s.geometry.primitives()).sum();
+            let environments = u64::from(self.environment.is_some());
+            samples += (primitives + environments) * u64::from(self.render.shadow_rays);
+        }
+        samples
+    }
 }

@@ -1,5 +1,6 @@
 //! The `[render]` table: every setting also has a flag.
 
+use super::shadow_rays::ShadowPattern;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -116,6 +117,8 @@ pub enum LightSelection {
     /// In proportion to emitted power.
     #[default]
     Power,
+    /// None is chosen: every light gets shadow rays of its own.
+    All,
 }
 
 /// How random numbers are made.
@@ -155,6 +158,11 @@ impl Sampler {
     /// Numbers that the sampler's pattern is made for, for `spp` samples per pixel in two replicates: of the jittered grid
     /// the logarithms of its columns and rows, of blue noise that of the samples of a replicate.
     pub fn pattern(self, spp: u64) -> [u32; 2] {
+        self.light_pattern(spp, 1)
+    }
+
+    /// The same for the light samples of a pixel, `rays` for each of its samples.
+    pub fn light_pattern(self, spp: u64, rays: u32) -> [u32; 2] {
         // Larger patterns gain little, and smaller ones can be gone through again; without a number of samples, as when
         // time alone decides, a medium one serves.
         let samples = if spp > MAX_PATTERN {
@@ -162,6 +170,7 @@ impl Sampler {
         } else {
             spp.div_ceil(2)
         };
+        let samples = (samples * u64::from(rays)).min(MAX_PATTERN);
         let bits = samples.next_power_of_two().ilog2();
         match self {
             Self::Independent | Self::Sobol => [0, 0],
@@ -188,6 +197,11 @@ pub struct RenderSettings {
     /// and leave the rest to BSDF sampling (Karlík et al. 2019). Less noise under a sun in a broad sky; more where the sun
     /// is hidden and only the sky shines. The other strategies do not depend on it.
     pub mis_compensation: bool,
+    /// Shadow rays per camera ray where lights are sampled, 1 to 1024; with light selection `all` per light.
+    #[schemars(range(min = 1, max = 1024))]
+    pub shadow_rays: u32,
+    /// Where on the lights the points of a camera ray's shadow rays lie.
+    pub shadow_pattern: ShadowPattern,
     /// How random numbers are made.
     pub sampler: Sampler,
     /// Samples per pixel, at least 1.
@@ -209,6 +223,8 @@ impl Default for RenderSettings {
             light_selection: LightSelection::default(),
             light_sampling: LightSampling::default(),
             mis_compensation: false,
+            shadow_rays: 1,
+            shadow_pattern: ShadowPattern::default(),
             sampler: Sampler::default(),
             spp: 64,
             time: None,
@@ -239,6 +255,7 @@ impl std::fmt::Display for LightSelection {
         f.write_str(match self {
             Self::Uniform => "uniform",
             Self::Power => "power",
+            Self::All => "all",
         })
     }
 }
@@ -276,5 +293,8 @@ mod tests {
         assert_eq!(Sampler::BlueNoise.pattern(16), [3, 0]);
         assert_eq!(Sampler::BlueNoise.pattern(u64::MAX), [5, 0]);
         assert_eq!(Sampler::Sobol.pattern(1024), [0, 0]);
+        assert_eq!(Sampler::Stratified.light_pattern(32, 4), [3, 3]);
+        assert_eq!(Sampler::BlueNoise.light_pattern(u64::MAX, 3), [7, 0]);
+        assert_eq!(Sampler::BlueNoise.light_pattern(1 << 16, 1024), [16, 0]);
     }
 }

@@ -48,6 +48,16 @@ pub enum Geometry {
     Mesh(Mesh),
 }
 
+impl Geometry {
+    /// Primitives that it consists of.
+    pub fn primitives(&self) -> u64 {
+        match self {
+            Self::Rectangle { .. } | Self::Disk { .. } | Self::Sphere { .. } => 1,
+            Self::Mesh(mesh) => mesh.triangles.len() as u64,
+        }
+    }
+}
+
 /// An indexed triangle mesh. Every index is below `positions.len()`, and no triangle has zero area.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {

@@ -2,9 +2,10 @@
 //!
 //! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind may rely on it.
 
+use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
     Bsdf, Camera, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize,
-    Geometry, Light, Material, Mesh, Scene, Shape,
+    Geometry, Light, LightSelection, Material, Mesh, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
@@ -37,6 +38,17 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
         check.expect(expect, scene.film)?;
     }
     Ok(())
+}
+
+/// Checks a scene's settings alone: whether it can be rendered so.
+///
+/// # Errors
+/// They are out of their domain, or the scene has too many lights for them.
+pub fn settings(scene: &Scene) -> Result<(), InputError> {
+    let check = Check {
+        file: &scene.source,
+    };
+    check.settings(scene)
 }
 
 /// Makes errors about one file.
@@ -307,6 +319,23 @@ impl Check<'_> {
             || "render.confidence".to_owned(),
             || format!("is {confidence}"),
             "a probability such as 0.95, above 0 and below 1",
+        )?;
+        let rays = render.shadow_rays;
+        self.require(
+            (1..=MAX_SHADOW_RAYS).contains(&rays),
+            || "render.shadow_rays".to_owned(),
+            || format!("is {rays}"),
+            "1 to 1024",
+        )?;
+        let samples = match render.light_selection {
+            LightSelection::All => scene.samples_of_all_lights(),
+            LightSelection::Uniform | LightSelection::Power => u64::from(rays),
+        };
+        self.require(
+            samples <= MAX_LIGHT_SAMPLES,
+            || "render.light_selection".to_owned(),
+            || format!("is \"all\", which takes {samples} shadow rays per camera ray here"),
+            "at most 65535 of them: fewer shadow_rays, or \"power\" or \"uniform\"",
         )
     }
 

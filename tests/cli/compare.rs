@@ -74,6 +74,18 @@ fn every_mistake_is_exit_1() {
 }
 
 #[test]
+fn a_mistake_about_several_rays_is_exit_1() {
+    let flags = ["--shadow-rays", "4", "--break", "rays-forgotten"];
+    let arguments = [&["compare", CORNELL, "--size", "32x32"], flags.as_slice()].concat();
+    let (code, stdout, stderr) = run(&arguments);
+    assert_eq!(code, 1, "{stdout}{stderr}");
+    assert!(
+        stdout.contains("4 random shadow rays") && stdout.contains("DIFFER"),
+        "{stdout}"
+    );
+}
+
+#[test]
 fn json_on_stdout_is_all_that_is_there() {
     let (code, stdout, _) = run(&["compare", CORNELL, "--size", "16x16", "--json", "-"]);
     assert_eq!(code, 0);
@@ -83,7 +95,12 @@ fn json_on_stdout_is_all_that_is_there() {
 
 #[test]
 fn wrong_use_is_exit_2_and_says_what_would_be_right() {
-    let cases: [(&[&str], &str); 6] = [
+    let cases: [(&[&str], &str); 8] = [
+        (
+            &["--exact", "--shadow-pattern", "center"],
+            "--exact: shadow_pattern = \"center\"",
+        ),
+        (&["--break", "rays-forgotten"], "never gets there"),
         (&["--spp", "8"], "--spp 8: with fewer than"),
         (
             &["--strategy", "bsdf", "--break", "mis-weights"],

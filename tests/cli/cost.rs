@@ -118,6 +118,74 @@ fn check_table(csv: &str, scene: &Value) {
     assert!(lines.iter().all(|l| l.split(',').count() == columns));
 }
 
+/// Numbers of shadow rays, patterns and `all` are compared; names tell what differs, and what is biased; what comes to the
+/// same is measured once.
+#[test]
+fn shadow_rays_and_their_patterns_are_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let [json, csv] = ["a.json", "a.csv"].map(|n| folder.path().join(n));
+    let arguments = [
+        "cost",
+        CORNELL,
+        "--size",
+        "24x16",
+        "--strategies",
+        "light-area",
+        "--samplers",
+        "sobol",
+        "--light-selections",
+        "power,all",
+        "--shadow-rays",
+        "1,4",
+        "--shadow-patterns",
+        "random,grid",
+        "--budget",
+        "1s",
+        "-o",
+        text(folder.path()),
+        "--json",
+        text(&json),
+        "--csv",
+        text(&csv),
+    ];
+    let (code, stdout, stderr) = run(&arguments);
+    assert_eq!(code, 0, "{stdout}{stderr}");
+    let facts: Value = serde_json::from_str(&read(&json)).unwrap();
+    let scene = &facts["scenes"][0];
+    let estimators = scene["estimators"].as_array().unwrap();
+    let names: Vec<_> = estimators.iter().map(|e| e["name"].as_str()).collect();
+    let expected = [
+        "light-area · sobol · 1 ray · random",
+        "light-area · sobol · 1 ray · grid (biased)",
+        "light-area · sobol · 4 rays · random",
+        "light-area · sobol · 4 rays · grid (biased)",
+    ];
+    assert_eq!(names, expected.map(Some));
+    for estimator in estimators {
+        let biased = estimator["shadow_pattern"] == "grid";
+        assert_eq!(estimator["biased"].is_string(), biased, "{estimator}");
+        // As many shadow rays as the estimator has, but for those that find nothing.
+        let rays = &estimator["equal_time"]["rays"];
+        let [camera, shadow] = ["camera", "shadow"].map(|k| rays[k].as_f64().unwrap());
+        let per_sample = shadow / camera / estimator["shadow_rays"].as_f64().unwrap();
+        assert!((0.3..1.0).contains(&per_sample), "{estimator}");
+    }
+    // The box has one light.
+    let same = scene["not_applicable"].as_array().unwrap();
+    assert_eq!(same.len(), 4);
+    for not in same {
+        assert_eq!(not["light_selection"], "all");
+        let reason = not["reason"].as_str().unwrap();
+        assert!(
+            reason.starts_with("on this scene the same as light-area"),
+            "{reason}"
+        );
+    }
+    let page = read(&folder.path().join("report.html"));
+    assert!(page.contains("4 rays · grid (biased)"));
+    assert!(read(&csv).contains(",power,4,grid,"));
+}
+
 #[test]
 fn a_reference_of_the_same_size_is_used() {
     let folder = tempfile::tempdir().unwrap();

@@ -4,10 +4,10 @@ use super::scaled;
 use crate::support::{STRATEGIES, context, scene, statistics};
 use direkt::compare::{CompareError, Settings, compare};
 use direkt::reference::Twin;
-use direkt::reference::broken::BROKEN_TWINS;
+use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::reference::exact::scene::ExactScene;
 use direkt::render::Prepared;
-use direkt::scene::{Bsdf, Scene, Strategy};
+use direkt::scene::{Bsdf, FilmSize, Scene, Strategy};
 use direkt::stats::moments::Moments;
 use direkt::stats::t_test::one_sample;
 use glam::DVec3;
@@ -77,11 +77,29 @@ fn what_has_no_exact_answer_is_refused_by_name() {
 /// The same statistic of the twin's samples accepts the honest twin, and rejects every broken one.
 #[test]
 fn exact_answers_reject_every_broken_twin() {
-    let glossy = glossy_cornell();
+    assert_rejected("glossy Cornell", glossy_cornell(), |twin| {
+        twin != BrokenTwin::RaysForgotten
+    });
+    // A light so near that BSDF samples find much of it.
+    let mut near = scene("scenes/tests/square_near.toml");
+    near.render.shadow_rays = 4;
+    assert_rejected("near square, 4 shadow rays", near, |twin| {
+        twin == BrokenTwin::RaysForgotten
+    });
+}
+
+fn assert_rejected(name: &str, mut scene: Scene, broken: impl Fn(BrokenTwin) -> bool) {
     // Enough that 2 % are more than nine standard errors.
-    let film = scaled(glossy.film, 1 << 15);
-    let selection = glossy.render.light_selection;
-    let prepared = Prepared::new(glossy, Strategy::MisPower, selection);
+    let pixels = 1 << 15;
+    if scene.film.pixels() < pixels {
+        scene.film = FilmSize {
+            width: 1 << 8,
+            height: 1 << 7,
+        };
+    }
+    let film = scaled(scene.film, pixels as u32);
+    let selection = scene.render.light_selection;
+    let prepared = Prepared::new(scene, Strategy::MisPower, selection);
     let honest = Twin::new(&prepared, film, 3, None).unwrap();
     let answers = ExactScene::new(honest.direct().world()).unwrap();
     let exact: Vec<DVec3> = (0..film.pixels() as u32)
@@ -104,13 +122,10 @@ fn exact_answers_reject_every_broken_twin() {
     };
     statistics::accept(
         p_value(&honest),
-        "honest twin, exact glossy Cornell, seed 3",
+        &format!("honest twin, exact {name}, seed 3"),
     );
-    for row in BROKEN_TWINS {
+    for row in BROKEN_TWINS.iter().filter(|row| broken(row.twin)) {
         let broken = Twin::new(&prepared, film, 3, Some(row.twin)).unwrap();
-        statistics::reject(
-            p_value(&broken),
-            &format!("exact glossy Cornell, {}", row.name),
-        );
+        statistics::reject(p_value(&broken), &format!("exact {name}, {}", row.name));
     }
 }

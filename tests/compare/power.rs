@@ -3,7 +3,7 @@
 use super::compared;
 use crate::support::{KINDS_OF_STRATEGIES, own_scenes, scene};
 use direkt::compare::Comparison;
-use direkt::reference::broken::BROKEN_TWINS;
+use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::render::Prepared;
 use direkt::scene::{Scene, Strategy};
 
@@ -37,15 +37,30 @@ fn cases() -> Vec<(String, Scene, Strategy, u32)> {
     all.chain(quiet).collect()
 }
 
+/// Scenes with several shadow rays, for what is about them: among them a sky, of which BSDF samples find as much.
+fn cases_of_several_rays() -> Vec<(String, Scene, Strategy, u32)> {
+    let mut scenes = own_scenes();
+    let sky = "scenes/tests/sky.toml";
+    scenes.push((sky.to_owned(), scene(sky)));
+    let several = |(name, mut scene): (String, Scene)| {
+        scene.render.shadow_rays = 4;
+        let name = format!("{name} with 4 shadow rays");
+        (name, scene, Strategy::MisPower, 1 << 12)
+    };
+    scenes.into_iter().map(several).collect()
+}
+
 /// Samples with the same random numbers show every mistake everywhere. Means show those that are larger than their
 /// noise: each of them on some scene.
 #[test]
 fn every_broken_twin_is_rejected_on_every_scene() {
     let mut found = vec![Found::default(); BROKEN_TWINS.len()];
-    for (name, scene, strategy, pixels) in cases() {
+    for (name, scene, strategy, pixels) in cases().into_iter().chain(cases_of_several_rays()) {
         let prepared = Prepared::new(scene.clone(), strategy, scene.render.light_selection);
+        let several = prepared.shadow_rays() > 1;
         for (row, found) in BROKEN_TWINS.iter().zip(&mut found) {
-            if (row.applies)(&prepared) {
+            let about_rays = row.twin == BrokenTwin::RaysForgotten;
+            if (row.applies)(&prepared) && several == about_rays {
                 let broken = compared(&scene, strategy, (pixels, 64), Some(row.twin));
                 assert!(!broken.agrees(), "{name}, {strategy}: {} passes", row.name);
                 found.add(&broken);

@@ -3,8 +3,8 @@
 use super::compared;
 use crate::support::{STRATEGIES, own_scenes, scene, shared, statistics};
 use direkt::compare::Comparison;
-use direkt::scene::Strategy;
 use direkt::scene::load::{LoadOptions, load};
+use direkt::scene::{LightSelection, Sampler, ShadowPattern, Strategy};
 
 /// What rests on chance is counted in the suite's family: the worst pixel by Bonferroni, and each channel's mean.
 fn assert_agrees(comparison: &Comparison, what: &str) {
@@ -26,6 +26,46 @@ fn gpu_and_reference_agree_on_every_scene_under_every_strategy() {
         for strategy in STRATEGIES {
             let comparison = compared(&scene, strategy, (1 << 12, 64), None);
             assert_agrees(&comparison, &format!("{name}, {strategy}"));
+        }
+    }
+}
+
+/// Every pattern of shadow rays, with rays to chosen lights and to every light, under every sampler.
+#[test]
+fn gpu_and_reference_agree_with_several_shadow_rays() {
+    use LightSelection::{All, Power, Uniform};
+    use ShadowPattern::{Center, Grid, Random, Stratified};
+    for (name, scene) in own_scenes() {
+        for (strategy, rays, pattern, selection, sampler) in [
+            (Strategy::MisPower, 1, Random, All, Sampler::Independent),
+            (Strategy::MisBalance, 3, Random, Power, Sampler::Stratified),
+            (
+                Strategy::LightSolidAngle,
+                3,
+                Random,
+                All,
+                Sampler::BlueNoise,
+            ),
+            (Strategy::MisPower, 4, Stratified, Uniform, Sampler::Sobol),
+            (Strategy::MisPower, 2, Stratified, All, Sampler::BlueNoise),
+            (Strategy::MisPower, 4, Grid, Power, Sampler::Independent),
+            (
+                Strategy::LightProjectedSolidAngle,
+                3,
+                Grid,
+                All,
+                Sampler::Sobol,
+            ),
+            (Strategy::MisPower, 4, Center, Uniform, Sampler::Stratified),
+        ] {
+            let mut scene = scene.clone();
+            scene.render.light_selection = selection;
+            scene.render.shadow_rays = rays;
+            scene.render.shadow_pattern = pattern;
+            scene.render.sampler = sampler;
+            let comparison = compared(&scene, strategy, (1 << 11, 64), None);
+            let what = format!("{name}, {strategy}, {rays} {pattern}, {selection}, {sampler}");
+            assert_agrees(&comparison, &what);
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use crate::support::{context, scene};
 use direkt::cost::calibrate::{Calibration, Settings, calibrate};
-use direkt::cost::estimator::combinations;
+use direkt::cost::estimator::{Choices, combinations};
 use direkt::render::{Prepared, Session};
-use direkt::scene::{FilmSize, LightSelection, Sampler, Scene, Strategy};
+use direkt::scene::{FilmSize, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
 
 const IMAGES: u32 = 60;
 
@@ -25,7 +25,13 @@ fn calibrated(scene: &Scene) -> Vec<Calibration> {
         Sampler::BlueNoise,
     ];
     let settings = Settings {
-        estimators: combinations(&[Strategy::MisPower], &[LightSelection::Power], &samplers),
+        estimators: combinations(&Choices {
+            strategies: vec![Strategy::MisPower],
+            light_selections: vec![LightSelection::Power],
+            shadow_rays: vec![1],
+            shadow_patterns: vec![ShadowPattern::Random],
+            samplers: samplers.to_vec(),
+        }),
         images: IMAGES,
         samples: 32,
         seed: 40,

@@ -6,6 +6,7 @@ mod invariance;
 mod ledger;
 mod one_pixel;
 mod random_polygons;
+mod shadow_rays;
 mod strategies;
 mod test_scenes;
 mod twin;

@@ -8,7 +8,7 @@ use crate::support::{
 };
 use direkt::reference::BrokenTwin;
 use direkt::render::Prepared;
-use direkt::scene::{Bsdf, FilmSize, Geometry, LightSelection, Scene, Strategy};
+use direkt::scene::{Bsdf, FilmSize, Geometry, LightSelection, Scene, ShadowPattern, Strategy};
 use glam::DVec3;
 
 const FILM: FilmSize = FilmSize {
@@ -92,20 +92,57 @@ fn strategies_agree_on_every_scene() {
 fn light_selection_does_not_change_the_mean() {
     let context = context();
     let mut power = Power::default();
+    let selections = [
+        LightSelection::Uniform,
+        LightSelection::Power,
+        LightSelection::All,
+    ];
     for (name, scene) in own_scenes() {
-        let all = [LightSelection::Uniform, LightSelection::Power]
-            .map(|selection| Prepared::new(scene.clone(), Strategy::MisPower, selection));
-        let films = [0, 1].map(|i| {
+        let all =
+            selections.map(|selection| Prepared::new(scene.clone(), Strategy::MisPower, selection));
+        let films = [0, 1, 2].map(|i| {
             let run = (FILM, 80 + i as u32, SAMPLES);
             recorded_film(&context, &all[i], run, Part::Reflected)
         });
-        let what = format!("{name}, uniform and power, {}", context.adapter.name);
-        accept_means(same_means(&films[0], &films[1]), &what);
-        let p_values = |film: &_| same_means(film, &films[0]);
-        let image = (TWIN_FILM, Part::Reflected);
-        power.check(&all[1], image, Some(&films[0]), p_values, &what);
+        for i in [1, 2] {
+            let what = format!(
+                "{name}, uniform and {}, {}",
+                selections[i], context.adapter.name
+            );
+            accept_means(same_means(&films[0], &films[i]), &what);
+            let p_values = |film: &_| same_means(film, &films[0]);
+            let image = (TWIN_FILM, Part::Reflected);
+            power.check(&all[i], image, Some(&films[0]), p_values, &what);
+        }
     }
     power.found(&COMMON_MISTAKES);
+}
+
+#[test]
+fn shadow_rays_do_not_change_the_mean() {
+    let context = context();
+    let mut power = Power::default();
+    let mut scenes = own_scenes();
+    scenes.push(("glossy floor".to_owned(), glossy_floor()));
+    for (name, scene) in scenes {
+        let one = Prepared::new(scene.clone(), Strategy::MisPower, LightSelection::Power);
+        let film = recorded_film(&context, &one, (FILM, 85, SAMPLES), Part::Reflected);
+        for pattern in [ShadowPattern::Random, ShadowPattern::Stratified] {
+            let mut scene = scene.clone();
+            scene.render.shadow_rays = 4;
+            scene.render.shadow_pattern = pattern;
+            let four = Prepared::new(scene, Strategy::MisPower, LightSelection::Power);
+            let of_four = recorded_film(&context, &four, (FILM, 86, SAMPLES), Part::Reflected);
+            let what = format!("{name}, 1 and 4 {pattern} rays, {}", context.adapter.name);
+            accept_means(same_means(&of_four, &film), &what);
+            if pattern == ShadowPattern::Random {
+                let p_values = |broken: &_| same_means(broken, &film);
+                let image = (TWIN_FILM, Part::Reflected);
+                power.check(&four, image, Some(&film), p_values, &what);
+            }
+        }
+    }
+    power.found(&[BrokenTwin::RaysForgotten, BrokenTwin::MisWeights]);
 }
 
 /// HARD CASES M2: squares of radiances 10⁻³ and 10³ side by side, chosen alike or by power.

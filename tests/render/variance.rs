@@ -150,7 +150,7 @@ fn biased_twins_do_not_have_the_exact_variance() {
                 statistics::reject(slope_p_value(&films[0], &films[1]), row.name);
             }
             // It is about sampling the BSDF as well, which does not happen here.
-            BrokenTwin::MisWeights => unreachable!("{}", row.name),
+            BrokenTwin::MisWeights | BrokenTwin::RaysForgotten => unreachable!("{}", row.name),
         }
     }
 }

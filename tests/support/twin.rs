@@ -186,7 +186,8 @@ fn samples(broken: Option<BrokenTwin>) -> u64 {
             BrokenTwin::WrongMeasure
             | BrokenTwin::SwappedSinCos
             | BrokenTwin::LightLeftOut
-            | BrokenTwin::ExtraCosine,
+            | BrokenTwin::ExtraCosine
+            | BrokenTwin::RaysForgotten,
         ) => 64,
     }
 }

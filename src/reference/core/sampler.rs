@@ -12,6 +12,10 @@ pub const GROUP_LIGHT: u32 = 1;
 /// Direction x, direction y, environment texel, –.
 pub const GROUP_DIRECTION: u32 = 2;
 
+/// Group of the points on light 0, where every light has its own, or of a grid's first cell: light point x, light point
+/// y; –, –. That of the next follows.
+pub const GROUP_LIGHT_POINTS: u32 = 16;
+
 /// Names one sample of one pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SampleId {
@@ -85,6 +89,15 @@ impl Numbers {
                 stratified_2d(low, self.pattern, seed, [x, y])
             }
         }
+    }
+}
+
+/// Part `part` of the `parts` that sample `id` has in some groups.
+pub fn part_of_sample(id: SampleId, part: u32, parts: u32) -> SampleId {
+    let first = id.index.wrapping_mul(u64::from(parts));
+    SampleId {
+        index: first.wrapping_add(u64::from(part)),
+        ..id
     }
 }
 

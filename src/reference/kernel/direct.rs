@@ -5,24 +5,30 @@
 //! estimated by light sampling, by BSDF sampling, or by both with the power heuristic.
 
 use super::camera::camera_ray;
+use super::sample::{BsdfRay, Sample};
+use super::shadow_rays::{LightNumbers, ShadowRays};
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
+use crate::emitters::Selection;
 use crate::reference::broken::BrokenTwin;
 use crate::reference::bsdf::bsdf::{
     BsdfSample, Hemisphere, eval_bsdf, sample_bsdf, sample_hemisphere,
 };
 use crate::reference::core::frame::{to_local, to_world};
 use crate::reference::core::math::max_abs;
-use crate::reference::core::pdf::{PdfSolidAngle, balance_heuristic, power_heuristic};
+use crate::reference::core::pdf::{
+    PdfDiscrete, PdfSolidAngle, balance_heuristic, of_samples, power_heuristic,
+};
 use crate::reference::core::ray::Ray;
 use crate::reference::core::rng::{to_unit, to_unit_2d};
 use crate::reference::core::sampler::{
     GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, Numbers, SampleId,
 };
+use crate::reference::light::alias_table::Choice;
 use crate::reference::light::area_light::{LightSample, pdf_area_light, pdf_light_area};
 use crate::reference::light::light::{
-    choose_light, emitted_radiance, environment_cell_margin, environment_radiance, pdf_environment,
-    sample_chosen_light,
+    choose_light, emitted_radiance, environment_cell_margin, environment_radiance, own_samples,
+    pdf_environment, sample_chosen_light,
 };
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::surface::{Surface, surface_at};
@@ -31,93 +37,6 @@ use crate::render::Prepared;
 use crate::scene::FilmSize;
 use glam::{DVec2, DVec3};
 
-/// How a shadow ray ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Shadow {
-    /// None was traced: nothing could have arrived.
-    #[default]
-    NotTraced,
-    /// Nothing was in the way.
-    Clear,
-    /// Something was.
-    Blocked,
-}
-
-/// How a BSDF-sampled ray ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum BsdfRay {
-    /// None was traced: nothing could have arrived.
-    #[default]
-    NotTraced,
-    /// It left the scene.
-    Missed,
-    /// It met a primitive.
-    Hit(u32),
-}
-
-/// What the rays of one sample met.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Path {
-    /// What the camera ray met.
-    pub camera: Option<u32>,
-    /// The shadow ray.
-    pub shadow: Shadow,
-    /// The BSDF-sampled ray.
-    pub bsdf: BsdfRay,
-}
-
-/// What makes a sample sensitive to rounding: cosines near zero and narrow lobes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Conditions {
-    /// Cosine at the surface of the direction chosen by light sampling.
-    pub light_cos_surface: f64,
-    /// Cosine there at the light.
-    pub light_cos_light: f64,
-    /// Cosine at the surface of the direction chosen by BSDF sampling.
-    pub bsdf_cos_surface: f64,
-    /// Cosine at the light that it met.
-    pub bsdf_cos_light: f64,
-    /// Distance to that light over its radius where it is a sphere, else 0: an angle moves the cosine by so much over
-    /// the cosine itself.
-    pub bsdf_light_curvature: f64,
-    /// GGX width of the surface.
-    pub alpha: Option<f64>,
-    /// Angle by which rounding its vertices to f32 turns the surface's normal.
-    pub normal_rounding: f64,
-    /// Angle between the BSDF-sampled direction and the edge of its cell in the environment's sampling grid.
-    pub cell_margin: f64,
-}
-
-impl Default for Conditions {
-    fn default() -> Self {
-        Self {
-            light_cos_surface: 1.0,
-            light_cos_light: 1.0,
-            bsdf_cos_surface: 1.0,
-            bsdf_cos_light: 1.0,
-            bsdf_light_curvature: 0.0,
-            alpha: None,
-            normal_rounding: 0.0,
-            cell_margin: std::f64::consts::PI,
-        }
-    }
-}
-
-/// One sample of a pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Sample {
-    /// Radiance.
-    pub radiance: DVec3,
-    /// The part of it that light sampling found.
-    pub by_light: DVec3,
-    /// The part that BSDF sampling found.
-    pub by_bsdf: DVec3,
-    /// What its rays met.
-    pub path: Path,
-    /// How sensitive it is to rounding.
-    pub conditions: Conditions,
-}
-
 /// The estimator in f64, with the renderer's random numbers.
 #[derive(Debug)]
 pub struct Direct<'a> {
@@ -125,6 +44,7 @@ pub struct Direct<'a> {
     size: FilmSize,
     seed: u32,
     numbers: Numbers,
+    shadow_rays: ShadowRays,
     sample_lights: bool,
     sample_bsdf: bool,
     hemisphere: Option<Hemisphere>,
@@ -144,15 +64,17 @@ impl<'a> Direct<'a> {
         let probability = |i: &u32| prepared.emitters.probability(*i as usize);
         let lights = 0..prepared.emitters.lights.len() as u32;
         let likeliest = lights.max_by(|a, b| probability(a).total_cmp(&probability(b)));
+        let numbers = Numbers {
+            sampler: prepared.scene.render.sampler,
+            pattern: prepared.patterns().pixel,
+            width: size.width,
+        };
         Self {
             world: World::new(prepared),
             size,
             seed,
-            numbers: Numbers {
-                sampler: prepared.scene.render.sampler,
-                pattern: prepared.pattern(),
-                width: size.width,
-            },
+            numbers,
+            shadow_rays: ShadowRays::new(prepared, numbers),
             sample_lights: prepared.effects.contains(Effect::SampleLights),
             sample_bsdf: prepared.effects.contains(Effect::SampleBsdf),
             hemisphere: hemisphere(prepared),
@@ -208,8 +130,7 @@ impl<'a> Direct<'a> {
         sample.conditions.normal_rounding = self.normal_rounding(hit.primitive);
         sample.conditions.alpha = s.material.specular.map(|lobe| lobe.alpha);
         if self.sample_lights {
-            sample.by_light =
-                self.estimate_by_light(&s, light_words, direction_words[2], &mut sample);
+            sample.by_light = self.estimate_by_light(&s, id, &mut sample);
         }
         if self.sample_bsdf {
             sample.by_bsdf =
@@ -236,13 +157,12 @@ impl<'a> Direct<'a> {
     }
 
     /// A sample of a light, with the mistakes of a broken twin.
-    fn sample_light(&self, s: &Surface, words: [u32; 4], texel: u32) -> Option<LightSample> {
-        let choice = choose_light(&self.world, words[2])?;
+    fn sample_light(&self, s: &Surface, choice: Choice, u: LightNumbers) -> Option<LightSample> {
         if self.broken == Some(BrokenTwin::LightLeftOut) && choice.index == self.left_out {
             return None;
         }
-        let u = to_unit_2d(words[0], words[1]);
-        let mut light = sample_chosen_light(&self.world, choice, (s.position, &s.frame), u, texel);
+        let place = (s.position, &s.frame);
+        let mut light = sample_chosen_light(&self.world, choice, place, u.point, u.texel);
         if self.broken.is_some() && !light.delta && light.pdf.0 > 0.0 {
             let pdf = BrokenTwin::measure(
                 self.broken,
@@ -276,40 +196,73 @@ impl<'a> Direct<'a> {
         }
     }
 
-    /// L_i f_r cosθ / p(light, ω_i), where ω_i is chosen by light sampling.
-    fn estimate_by_light(
+    /// ∫ L_i f_r cosθ dω by light sampling: the mean of all light samples, or where every light has its own, the sum of
+    /// the lights' means.
+    fn estimate_by_light(&self, s: &Surface, id: SampleId, sample: &mut Sample) -> DVec3 {
+        let emitters = &self.world.prepared.emitters;
+        let rays = self.shadow_rays.rays();
+        let mut sum = DVec3::ZERO;
+        match &emitters.selection {
+            None => {}
+            Some(Selection::One(_)) => {
+                for ray in 0..rays {
+                    let u = self.shadow_rays.light_numbers(id, 0, ray);
+                    if let Some(choice) = choose_light(&self.world, u.choice) {
+                        sum += self.estimate_by_shadow_ray(s, choice, u, sample) / f64::from(rays);
+                    }
+                }
+            }
+            Some(Selection::All(sampled)) => {
+                for (index, _) in (0..).zip(sampled).filter(|(_, sampled)| **sampled) {
+                    let own = own_samples(&self.world, index, rays);
+                    for ray in 0..own {
+                        let choice = Choice {
+                            index,
+                            probability: PdfDiscrete(1.0),
+                        };
+                        let u = self.shadow_rays.light_numbers(id, index, ray);
+                        sum += self.estimate_by_shadow_ray(s, choice, u, sample) / f64::from(own);
+                    }
+                }
+            }
+        }
+        sum
+    }
+
+    /// L_i f_r cosθ / p(light, ω_i) of one light sample.
+    fn estimate_by_shadow_ray(
         &self,
         s: &Surface,
-        words: [u32; 4],
-        texel: u32,
+        choice: Choice,
+        u: LightNumbers,
         sample: &mut Sample,
     ) -> DVec3 {
-        let Some(light) = self.sample_light(s, words, texel) else {
+        let Some(light) = self.sample_light(s, choice, u) else {
             return DVec3::ZERO;
         };
         let wi = BrokenTwin::direction(self.broken, to_local(&s.frame, light.wi));
-        sample.conditions.light_cos_surface = wi.z;
-        sample.conditions.light_cos_light = light.cos_light;
         let f = eval_bsdf(&s.material, wi, s.wo);
         let f_cos = BrokenTwin::f_cos(self.broken, f.f_cos, wi.z);
         let mut contribution = f_cos * light.radiance_over_pdf;
         if self.sample_bsdf && !light.delta {
             let pdf_bsdf = BrokenTwin::density(self.broken, f.pdf);
-            let weight = self.mis_weight(light.pdf, pdf_bsdf);
+            let pdf_light = of_samples(self.shadow_rays.rays(), light.pdf);
+            let weight = self.mis_weight(pdf_light, pdf_bsdf);
             contribution *= BrokenTwin::weight(self.broken, weight);
         }
         if contribution.max_element() <= 0.0 {
             return DVec3::ZERO;
         }
+        sample.path.shadow.traced += 1;
         let ray = Ray {
             origin: s.origin,
             direction: light.target_point - s.origin,
         };
         if any_hit(&self.world, &ray, 1.0) {
-            sample.path.shadow = Shadow::Blocked;
             return DVec3::ZERO;
         }
-        sample.path.shadow = Shadow::Clear;
+        sample.path.shadow.clear += 1;
+        sample.conditions.add_light(wi.z, light.cos_light);
         contribution
     }
 
@@ -339,7 +292,8 @@ impl<'a> Direct<'a> {
         let mut contribution = radiance * weight;
         if self.sample_lights {
             let pdf_light = BrokenTwin::density(self.broken, pdf_light);
-            let weight = self.mis_weight(pdf_bsdf, pdf_light);
+            let rays = BrokenTwin::rays(self.broken, self.shadow_rays.rays());
+            let weight = self.mis_weight(pdf_bsdf, of_samples(rays, pdf_light));
             contribution *= BrokenTwin::weight(self.broken, weight);
         }
         contribution

@@ -2,3 +2,5 @@
 
 pub mod camera;
 pub mod direct;
+pub mod sample;
+pub mod shadow_rays;

@@ -19,9 +19,18 @@ use std::f64::consts::PI;
 /// Length beyond everything in the normalised scene.
 const FAR: f64 = 4.0;
 
-/// The light that the random word `u` selects; `None` where there is nothing to select from.
+/// The light that the random word `u` selects; `None` where nothing is selected.
 pub fn choose_light(world: &World<'_>, u: u32) -> Option<Choice> {
-    Some(alias_choice(u, world.prepared.emitters.selection.as_ref()?))
+    let selection = world.prepared.emitters.selection.as_ref()?;
+    Some(alias_choice(u, selection.table()?))
+}
+
+/// The number of samples of a light that has its own, with `rays` shadow rays: without extent one.
+pub fn own_samples(world: &World<'_>, light: u32, rays: u32) -> u32 {
+    match world.prepared.emitters.lights[light as usize] {
+        Emitter::Delta(_) => 1,
+        Emitter::Area { .. } | Emitter::Environment => rays,
+    }
 }
 
 /// A light without a surface, seen from `x`.

@@ -236,7 +236,9 @@ fn visible_normals_match_pdf() {
                     histogram::directions_p_value(&swapped, pdf)
                 }
                 // These are about choosing among lights and strategies.
-                BrokenTwin::LightLeftOut | BrokenTwin::MisWeights => continue,
+                BrokenTwin::LightLeftOut | BrokenTwin::MisWeights | BrokenTwin::RaysForgotten => {
+                    continue;
+                }
             };
             statistics::reject(broken, &format!("{what}, {}", row.name));
         }
@@ -303,7 +305,10 @@ fn visible_normals_integrate_to_one() {
                 BrokenTwin::WrongMeasure => p_value(&mut rows.iter().map(|r| r.0 / r.1.max(1e-9))),
                 BrokenTwin::ExtraCosine => p_value(&mut rows.iter().map(|r| r.0 * r.2)),
                 // No direction, no light and no strategy is chosen.
-                BrokenTwin::SwappedSinCos | BrokenTwin::LightLeftOut | BrokenTwin::MisWeights => {
+                BrokenTwin::SwappedSinCos
+                | BrokenTwin::LightLeftOut
+                | BrokenTwin::MisWeights
+                | BrokenTwin::RaysForgotten => {
                     continue;
                 }
             };

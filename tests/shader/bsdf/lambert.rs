@@ -86,7 +86,10 @@ fn lambert_samples_match_pdf() {
             }
             // Swapping sine and cosine maps the cosine distribution onto itself, and the others are about choosing among
             // lights and strategies.
-            BrokenTwin::SwappedSinCos | BrokenTwin::LightLeftOut | BrokenTwin::MisWeights => {
+            BrokenTwin::SwappedSinCos
+            | BrokenTwin::LightLeftOut
+            | BrokenTwin::MisWeights
+            | BrokenTwin::RaysForgotten => {
                 continue;
             }
         };

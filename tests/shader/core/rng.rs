@@ -179,6 +179,7 @@ fn pairs_of_hashes_are_uniform() {
                 | BrokenTwin::SwappedSinCos
                 | BrokenTwin::LightLeftOut
                 | BrokenTwin::MisWeights
+                | BrokenTwin::RaysForgotten
                 | BrokenTwin::ExtraCosine => None,
             });
         }

@@ -6,11 +6,13 @@ use crate::support::shader::{Function, call, draw};
 use crate::support::statistics::{accept, correlation_p_value, reject};
 use direkt::reference::core::rng::to_unit;
 use direkt::reference::core::sampler::{
-    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, Numbers, SampleId, random_group,
+    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS, Numbers, SampleId,
+    part_of_sample, random_group,
 };
 use direkt::scene::Sampler;
 
 const GROUPS: [u32; 3] = [GROUP_FILM, GROUP_LIGHT, GROUP_DIRECTION];
+const ALL_GROUPS: [u32; 4] = [GROUP_FILM, GROUP_LIGHT, GROUP_DIRECTION, GROUP_LIGHT_POINTS];
 
 const RANDOM_GROUP: Function<'_> = Function {
     imports: "import package::core::sampler::{SampleId, random_group};",
@@ -123,19 +125,62 @@ fn indices_advance_in_64_bits() {
     }
 }
 
+/// Sample by sample, part by part, in 64 bits.
+#[test]
+fn parts_of_samples_follow_each_other() {
+    let function = Function {
+        imports: "import package::core::sampler::{SampleId, part_of_sample};",
+        body: "let name = SampleId(in_u32(0u), vec2u(in_u32(1u), in_u32(2u)), 7u, 8u, vec2u(9u));
+               let part = part_of_sample(name, in_u32(3u), in_u32(4u), vec2u(5u, 6u));
+               out_u32(0u, part.pixel); out_u32(1u, part.index.x); out_u32(2u, part.index.y);
+               out_u32(3u, part.seed); out_u32(4u, part.width);
+               out_u32(5u, part.pattern.x); out_u32(6u, part.pattern.y);",
+        inputs: 5,
+        outputs: 7,
+        features: &[],
+    };
+    let mut random = Random::new(67);
+    let mut cases: Vec<[u32; 5]> = vec![[1, 0, 0, 0, 1], [2, u32::MAX, 0, 1023, 1024]];
+    cases.extend((0..10_000).map(|_| {
+        let parts = 1 + random.word() % 1024;
+        let [pixel, low, high] = std::array::from_fn(|_| random.word());
+        [pixel, low, high >> 12, random.word() % parts, parts]
+    }));
+    let answers = call(&context(), &function, cases.as_flattened());
+    let indices = answers.u32(1).zip(answers.u32(2));
+    for (&[pixel, low, high, part, parts], (found_low, found_high)) in cases.iter().zip(indices) {
+        let id = SampleId {
+            pixel,
+            index: u64::from(high) << 32 | u64::from(low),
+            seed: 7,
+        };
+        let expected = id.index * u64::from(parts) + u64::from(part);
+        assert_eq!(part_of_sample(id, part, parts).index, expected);
+        let found = u64::from(found_high) << 32 | u64::from(found_low);
+        assert_eq!(found, expected, "part {part} of {parts} of {id:?}");
+    }
+    for (word, expected) in [(3, 7), (4, 8), (5, 5), (6, 6)] {
+        assert!(answers.u32(word).all(|w| w == expected), "word {word}");
+    }
+    assert!(answers.u32(0).eq(cases.iter().map(|c| c[0])));
+}
+
 #[test]
 fn groups_have_the_twins_numbers() {
     let function = Function {
-        imports: "import package::core::sampler::{GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT};",
+        imports: "import package::core::sampler::{
+                      GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS};",
         body: "out_u32(0u, GROUP_FILM);
                out_u32(1u, GROUP_LIGHT);
-               out_u32(2u, GROUP_DIRECTION);",
+               out_u32(2u, GROUP_DIRECTION);
+               out_u32(3u, GROUP_LIGHT_POINTS);",
         inputs: 0,
-        outputs: 3,
+        outputs: 4,
         features: &[],
     };
     let answers = draw(&context(), &function, 1);
-    assert_eq!([0, 1, 2].map(|i| answers.u32(i).next()), GROUPS.map(Some));
+    let found = [0, 1, 2, 3].map(|i| answers.u32(i).next());
+    assert_eq!(found, ALL_GROUPS.map(Some));
 }
 
 /// Sample `item` of a render in its `group`, with `change` made to its id: four words.
@@ -256,7 +301,7 @@ fn groups_of_every_sampler_are_bit_identical() {
                         pattern: sampler.pattern(spp),
                         width,
                     };
-                    items.push((numbers, id, GROUPS[i as usize % 3]));
+                    items.push((numbers, id, ALL_GROUPS[i as usize % 4]));
                 }
             }
         }

@@ -13,3 +13,4 @@ mod lab_sampling;
 mod loop_canary;
 mod record;
 mod sample_record;
+mod shadow_rays;

@@ -2,7 +2,8 @@
 
 use crate::support::context;
 use crate::support::shader::{Function, draw};
-use direkt::gpu::layout::{NONE, NOT_TRACED, SHADOW_BLOCKED, SHADOW_CLEAR, SHADOW_NOT_TRACED};
+use direkt::gpu::layout::{NONE, NOT_TRACED, SampleRecord};
+use direkt::scene::shadow_rays::MAX_LIGHT_SAMPLES;
 use glam::DVec3;
 
 const WRITE: &str = "out_vec3f(0u, recorded.radiance); out_u32(3u, recorded.shadow);
@@ -28,7 +29,7 @@ fn record(steps: &str) -> ([DVec3; 3], [u32; 3]) {
 fn a_record_begins_with_nothing_traced() {
     let (radiance, met) = record("record_shadow(true); start_record();");
     assert_eq!(radiance, [DVec3::ZERO; 3]);
-    assert_eq!(met, [SHADOW_NOT_TRACED, NONE, NOT_TRACED]);
+    assert_eq!(met, [0, NONE, NOT_TRACED]);
 }
 
 #[test]
@@ -43,7 +44,32 @@ fn each_step_notes_its_own_part() {
         DVec3::new(4.0, 5.0, 6.0),
     ];
     assert_eq!(radiance, parts);
-    assert_eq!(met, [SHADOW_CLEAR, 5, 7]);
+    assert_eq!(rays(met[0]), [1, 1]);
+    assert_eq!(met[1..], [5, 7]);
     let (_, met) = record("start_record(); record_shadow(true);");
-    assert_eq!(met, [SHADOW_BLOCKED, NONE, NOT_TRACED]);
+    assert_eq!(rays(met[0]), [1, 0]);
+    assert_eq!(met[1..], [NONE, NOT_TRACED]);
+}
+
+/// As many shadow rays as a camera ray may have.
+#[test]
+fn shadow_rays_are_counted() {
+    let most = u32::try_from(MAX_LIGHT_SAMPLES).unwrap();
+    for (traced, clear) in [(7, 3), (most, most), (most, 0), (most, 1)] {
+        let steps = format!(
+            "start_record();
+             for (var i = 0u; i < {traced}u; i += 1u) {{ record_shadow(i >= {clear}u); }}"
+        );
+        let (_, met) = record(&steps);
+        assert_eq!(rays(met[0]), [traced, clear]);
+    }
+}
+
+/// Traced and clear.
+fn rays(shadow: u32) -> [u32; 2] {
+    let record = SampleRecord {
+        shadow,
+        ..SampleRecord::default()
+    };
+    [record.shadow_rays(), record.clear_shadow_rays()]
 }

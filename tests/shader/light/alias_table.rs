@@ -148,6 +148,7 @@ fn alias_choices_match_pmf() {
             BrokenTwin::WrongMeasure
             | BrokenTwin::SwappedSinCos
             | BrokenTwin::MisWeights
+            | BrokenTwin::RaysForgotten
             | BrokenTwin::ExtraCosine => None,
         });
     }

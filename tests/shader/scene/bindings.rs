@@ -57,6 +57,7 @@ fn buffers_have_the_hosts_lengths_and_words() {
     let found: Vec<u32> = (0..8).map(|i| answers.u32(i).next().unwrap()).collect();
     let node_words: &[[u32; 4]] = bytemuck::cast_slice(&prepared.bvh.nodes);
     let selection = prepared.emitters.selection.as_ref().unwrap();
+    let selection = selection.table().unwrap();
     let expected = [
         node_words.len(),
         3 * prepared.primitives.len(),

@@ -184,7 +184,8 @@ fn directions_match_pdf(sampling: LightSampling) {
                     // One light alone is sampled, and no BSDF.
                     BrokenTwin::LightLeftOut
                     | BrokenTwin::SwappedSinCos
-                    | BrokenTwin::MisWeights => continue,
+                    | BrokenTwin::MisWeights
+                    | BrokenTwin::RaysForgotten => continue,
                 };
                 statistics::reject(broken, &format!("{what}, {}", row.name));
             }

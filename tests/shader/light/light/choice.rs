@@ -118,6 +118,7 @@ fn lights_are_chosen_at_their_probability() {
                 BrokenTwin::WrongMeasure
                 | BrokenTwin::SwappedSinCos
                 | BrokenTwin::MisWeights
+                | BrokenTwin::RaysForgotten
                 | BrokenTwin::ExtraCosine => continue,
             };
             statistics::reject(broken, &format!("{what}, {}", row.name));

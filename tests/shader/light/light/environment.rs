@@ -70,7 +70,10 @@ fn directions_towards_the_environment_match_pdf() {
                 }
                 BrokenTwin::ExtraCosine => test(&samples, &|w| 2.0 * right(w) * w.z.abs()),
                 // One light alone is sampled, and no BSDF.
-                BrokenTwin::LightLeftOut | BrokenTwin::SwappedSinCos | BrokenTwin::MisWeights => {
+                BrokenTwin::LightLeftOut
+                | BrokenTwin::SwappedSinCos
+                | BrokenTwin::MisWeights
+                | BrokenTwin::RaysForgotten => {
                     continue;
                 }
             };

@@ -1,0 +1,85 @@
+//! Which estimators are measured on a scene, compiled.
+
+use super::Progress;
+use super::estimator::{self, Estimator, NotApplicable};
+use super::halt::Halt;
+use super::runner::{Runner, prepare};
+use super::schedule::Work;
+use crate::error::Error;
+use crate::gpu::Context;
+use crate::render::Prepared;
+use crate::scene::{Sampler, Scene, ShadowPattern, Strategy};
+
+impl<'a> Work<'a, '_> {
+    /// Compiles the estimators that the scene can use, and that of the reference where it is `own_reference`.
+    pub(super) fn compile(
+        &mut self,
+        context: &'a Context,
+        own_reference: bool,
+        progress: Progress<'_>,
+    ) -> Result<(), Halt> {
+        let (scene, settings) = (self.scene, self.settings);
+        let mut compiled = Vec::new();
+        for &estimator in &settings.estimators {
+            if (self.stop)() {
+                return Err(Halt::Stopped);
+            }
+            progress(&format!("compiling {estimator}"), 0.0);
+            let prepared = match usable(scene, estimator, &compiled) {
+                Ok(prepared) => prepared,
+                Err(reason) => {
+                    self.not_applicable
+                        .push(NotApplicable { estimator, reason });
+                    continue;
+                }
+            };
+            compiled.push((estimator.effective(&prepared), estimator));
+            let runner = Runner::new(context, &prepared, scene.film, estimator)?;
+            self.runners.push(runner);
+        }
+        if self.runners.is_empty() {
+            let reasons = self.not_applicable.iter();
+            let reasons: Vec<_> = reasons
+                .map(|n| format!("{}: {}", n.estimator, n.reason))
+                .collect();
+            return Err(Error::Usage(format!(
+                "{}: no estimator is applicable: {}",
+                scene.source.display(),
+                reasons.join("; ")
+            ))
+            .into());
+        }
+        if own_reference {
+            let estimator = Estimator {
+                strategy: Strategy::MisPower,
+                light_selection: settings.estimators[0].light_selection,
+                shadow_rays: 1,
+                shadow_pattern: ShadowPattern::Random,
+                sampler: Sampler::Sobol,
+            };
+            progress("compiling the reference", 0.0);
+            let prepared = prepare(scene, estimator).map_err(Error::from)?;
+            self.own = Some(Runner::new(context, &prepared, scene.film, estimator)?);
+        }
+        Ok(())
+    }
+}
+
+/// The scene made ready for `estimator`, or why it is of no use there: `compiled` are those before, each after what it
+/// comes to.
+fn usable(
+    scene: &Scene,
+    estimator: Estimator,
+    compiled: &[(Estimator, Estimator)],
+) -> Result<Prepared, String> {
+    let prepared = prepare(scene, estimator)
+        .map_err(|e| format!("{}: {}; expected {}", e.field, e.problem, e.expected))?;
+    if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
+        return Err(reason);
+    }
+    let effective = estimator.effective(&prepared);
+    match compiled.iter().find(|(e, _)| *e == effective) {
+        Some((_, first)) => Err(format!("on this scene the same as {first}")),
+        None => Ok(prepared),
+    }
+}

@@ -1,0 +1,41 @@
+//! Which lights a light sample can be of.
+
+use crate::scene::LightSelection;
+use crate::scene::alias_table::AliasTable;
+
+/// How light sampling chooses among a scene's lights.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Selection {
+    /// Each sample is of one light, chosen at random.
+    One(AliasTable),
+    /// Every light has samples of its own; those whose entry is `false` have none.
+    All(Vec<bool>),
+}
+
+impl Selection {
+    /// The selection for lights of these weights, which are finite and not negative; a light of weight 0 is never sampled.
+    /// `None` when no weight is positive. A single light is chosen, however lights are selected.
+    pub fn new(weights: &[f64], selection: LightSelection) -> Option<Self> {
+        if selection != LightSelection::All || weights.len() == 1 {
+            return AliasTable::new(weights).map(Self::One);
+        }
+        let sampled: Vec<bool> = weights.iter().map(|&w| w > 0.0).collect();
+        sampled.contains(&true).then_some(Self::All(sampled))
+    }
+
+    /// Probability with which a sample is one of light `index`; 1 where every light has its own.
+    pub fn probability(&self, index: usize) -> f64 {
+        match self {
+            Self::One(table) => table.probability[index],
+            Self::All(sampled) => f64::from(u8::from(sampled[index])),
+        }
+    }
+
+    /// The table by which one light is chosen; `None` where every light has samples of its own.
+    pub fn table(&self) -> Option<&AliasTable> {
+        match self {
+            Self::One(table) => Some(table),
+            Self::All(_) => None,
+        }
+    }
+}
