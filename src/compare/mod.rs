@@ -223,3 +223,41 @@ fn flip(gpu: &SampleRecord, twin: &Sample) -> Option<per_sample::Flip> {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::per_sample::Flip;
+    use super::*;
+    use crate::gpu::layout::{NONE, NOT_TRACED, SHADOW_CLEAR, SHADOW_TRACED};
+    use crate::reference::{BsdfRay, Path, Shadow};
+
+    #[test]
+    fn shadow_rays_flip_one_by_one() {
+        let twin = Sample {
+            path: Path {
+                camera: Some(3),
+                shadow: Shadow {
+                    traced: 7,
+                    clear: 4,
+                },
+                bsdf: BsdfRay::Missed,
+            },
+            ..Sample::default()
+        };
+        let gpu = |traced: u32, clear: u32| SampleRecord {
+            camera_primitive: 3,
+            bsdf_primitive: NONE,
+            shadow: traced * SHADOW_TRACED + clear * SHADOW_CLEAR,
+            ..SampleRecord::default()
+        };
+        assert_eq!(flip(&gpu(7, 4), &twin), None);
+        // To find out that nothing arrives takes a ray on one side, and none on the other.
+        assert_eq!(flip(&gpu(9, 4), &twin), None);
+        assert_eq!(flip(&gpu(7, 1), &twin), Some(Flip::Shadow(3)));
+        let dark = SampleRecord {
+            bsdf_primitive: NOT_TRACED,
+            ..gpu(7, 4)
+        };
+        assert_eq!(flip(&dark, &twin), Some(Flip::Bsdf));
+    }
+}

@@ -148,12 +148,6 @@ fn numbers_out_of_their_domain() {
         refused(&format!("{CAMERA}[render]\ntime = 0\n")),
         "render.time: is 0; expected seconds, above 0",
     );
-    for rays in ["0", "1025"] {
-        says(
-            refused(&format!("{CAMERA}[render]\nshadow_rays = {rays}\n")),
-            &format!("render.shadow_rays: is {rays}; expected 1 to 1024"),
-        );
-    }
     says(
         refused(&format!("{CAMERA}[render]\nerror = -0.01\n")),
         "render.error: is -0.01; expected a relative error such as 0.01, above 0",
@@ -170,28 +164,6 @@ fn numbers_out_of_their_domain() {
         refused("[materials.m]\ntype = \"conductor\"\nreflectance = 1\nalpha = 0\n"),
         "materials.m.alpha: is 0; expected a number above 0 and up to 1",
     );
-}
-
-/// So many shadow rays that a camera ray cannot have them; without light sampling, and to points, there are fewer.
-#[test]
-fn too_many_shadow_rays() {
-    let scene = |settings: &str, light: &str| {
-        format!(
-            "{CAMERA}[render]\nlight_selection = \"all\"\nshadow_rays = 1024\n{settings}{}",
-            light.repeat(64)
-        )
-    };
-    let sphere = "[[shapes]]\ntype = \"sphere\"\nemission = { radiance = 1 }\n";
-    says(
-        refused(&scene("", sphere)),
-        "render.light_selection: is \"all\", which takes 65536 shadow rays per camera ray here; expected at most 65535 of them: fewer shadow_rays, or \"power\" or \"uniform\"",
-    );
-    let point = "[[lights]]\ntype = \"point\"\nposition = [0, 0, 1]\nintensity = 1\n";
-    let folder = Folder::new();
-    for accepted in [scene("strategy = \"bsdf\"\n", sphere), scene("", point)] {
-        folder.write("scene.toml", accepted);
-        folder.load("scene.toml").expect("it can be rendered");
-    }
 }
 
 #[test]

@@ -6,4 +6,5 @@ mod files;
 mod gltf;
 mod meshes;
 mod repository;
+mod shadow_rays;
 mod toml;

@@ -6,7 +6,7 @@ use crate::support::shader::{Function, call_in};
 use crate::support::{context, floor_pixel, point_light, statistics};
 use direkt::reference::BrokenTwin;
 use direkt::reference::broken::BROKEN_TWINS;
-use direkt::reference::light::light::choose_light;
+use direkt::reference::light::light::{choose_light, own_samples};
 use direkt::reference::scene::fetch::World;
 use direkt::render::Prepared;
 use direkt::scene::{LightSelection, Strategy};
@@ -59,6 +59,52 @@ fn lights_are_chosen_as_by_the_twin() {
                 p as f32, expected.probability.0 as f32,
                 "{name}: word {word}"
             );
+        }
+    }
+}
+
+/// With several shadow rays what stands for a light's probability is how many of them it gets in the mean, whether it is
+/// chosen or has its own.
+#[test]
+fn several_rays_multiply_the_density() {
+    let context = context();
+    let count = every_kind(constant_environment()).lights.len() + 5;
+    for (selection, body) in [
+        (
+            LightSelection::Power,
+            "let c = choose_light(item * 429496729u); out_u32(0u, c.index); out_f32(1u, c.probability.value);",
+        ),
+        (
+            LightSelection::All,
+            "out_u32(0u, item); out_f32(1u, own_samples(item).value);",
+        ),
+    ] {
+        for strategy in [Strategy::MisPower, Strategy::Bsdf] {
+            let mut scene = every_kind(constant_environment());
+            scene.render.shadow_rays = 3;
+            let prepared = Prepared::new(scene, strategy, selection);
+            assert_eq!(prepared.emitters.lights.len(), count);
+            let world = World::new(&prepared);
+            let function = Function {
+                imports: &format!("{IMPORTS} import package::light::light::own_samples;"),
+                body,
+                outputs: 2,
+                ..Function::default()
+            };
+            let answers = call_in(&context, &prepared, &function, &[], count);
+            for (index, samples) in answers.u32(0).zip(answers.f64(1)) {
+                let light = index as usize;
+                let p = prepared.emitters.probability(light);
+                let rays = match selection {
+                    LightSelection::All => own_samples(&world, index, prepared.shadow_rays()),
+                    _ => prepared.shadow_rays(),
+                };
+                let expected = (f64::from(rays) * p) as f32;
+                assert_eq!(
+                    samples as f32, expected,
+                    "{selection}, {strategy}, light {light}"
+                );
+            }
         }
     }
 }
