@@ -179,6 +179,8 @@ shared! {
     "scene::fetch" LIGHT_ENVIRONMENT = 7;
     /// Set in a light's head where its back emits as well.
     "scene::fetch" TWO_SIDED_BIT = 8;
+    /// Set in a light's head where its edges or half axes are not orthogonal.
+    "scene::fetch" SKEWED_BIT = 16;
     /// No shadow ray was traced.
     "kernel::sample_record" SHADOW_NOT_TRACED = 0;
     /// The shadow ray met nothing.
