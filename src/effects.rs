@@ -58,6 +58,8 @@ effects! {
     TriangleLights "LIGHT_TRIANGLES" "triangle-lights",
     /// Disks that emit.
     DiskLights "LIGHT_DISKS" "disk-lights",
+    /// Parallelograms that emit and are not rectangles, and ellipses whose half axes are not orthogonal.
+    SkewedLights "LIGHT_SKEWED" "skewed-lights",
     /// Spheres that emit.
     SphereLights "LIGHT_SPHERES" "sphere-lights",
     /// Point and spot lights.
@@ -314,6 +316,9 @@ fn of_light(
             effects.call_for(kind, reason);
             if kind != Effect::SphereLights {
                 effects.call_for(Effect::PlanarLights, reason);
+            }
+            if primitive.geometry.is_skewed() {
+                effects.call_for(Effect::SkewedLights, reason);
             }
         }
         Emitter::Delta(Light::Directional { .. }) => {

@@ -65,6 +65,17 @@ impl PrimitiveGeometry {
         }
     }
 
+    /// Whether it is a parallelogram whose edges are not orthogonal, or an ellipse whose half axes are not: by more than
+    /// what writing them with seven digits turns them.
+    pub fn is_skewed(&self) -> bool {
+        match *self {
+            Self::Rectangle { u, v, .. } | Self::Disk { u, v, .. } => {
+                u.dot(v).abs() > 1e-6 * u.length() * v.length()
+            }
+            Self::Triangle { .. } | Self::Sphere { .. } => false,
+        }
+    }
+
     /// Corners of the axis-parallel box around it.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         match *self {

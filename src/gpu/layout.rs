@@ -205,6 +205,8 @@ shared! {
     "scene::fetch" LIGHT_ENVIRONMENT = 7;
     /// Set in a light's head where its back emits as well.
     "scene::fetch" TWO_SIDED_BIT = 8;
+    /// Set in a light's head where its edges or half axes are not orthogonal.
+    "scene::fetch" SKEWED_BIT = 16;
     /// What a traced shadow ray adds to `SampleRecord::shadow`.
     "kernel::sample_record" SHADOW_TRACED = 1;
     /// What one that met nothing adds to it as well.

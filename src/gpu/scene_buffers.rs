@@ -6,7 +6,7 @@ use super::environment::EnvironmentBuffers;
 use super::layout::{
     Frame, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
     LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
-    NONE, ONE_SIDED_BIT, TILE, TWO_SIDED_BIT,
+    NONE, ONE_SIDED_BIT, SKEWED_BIT, TILE, TWO_SIDED_BIT,
 };
 use crate::accel::{Node, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Selection};
@@ -184,7 +184,8 @@ fn area_light(
     two_sided: bool,
     samples: u32,
 ) -> [Word; 4] {
-    let flags = if two_sided { TWO_SIDED_BIT } else { 0 };
+    let flag = |set: bool, bit: u32| if set { bit } else { 0 };
+    let flags = flag(two_sided, TWO_SIDED_BIT) | flag(geometry.is_skewed(), SKEWED_BIT);
     let (kind, a, u, v) = match *geometry {
         PrimitiveGeometry::Triangle { a, u, v } => (LIGHT_TRIANGLE, a, u, v),
         PrimitiveGeometry::Rectangle { a, u, v } => (LIGHT_RECTANGLE, a, u, v),

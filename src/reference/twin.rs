@@ -22,6 +22,7 @@ pub const SUPPORTED: &[Effect] = &[
     Effect::PlanarLights,
     Effect::TriangleLights,
     Effect::DiskLights,
+    Effect::SkewedLights,
     Effect::SphereLights,
     Effect::PointLights,
     Effect::DirectionalLights,

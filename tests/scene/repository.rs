@@ -86,6 +86,21 @@ fn veach_plates_face_camera_and_lights() {
 }
 
 #[test]
+fn the_wall_light_stands_on_the_floor() {
+    let scene = repository_scene("corner.toml", &LoadOptions::default());
+    assert_eq!(scene.warnings, [""; 0]);
+    let (_, up) = rectangle(&scene.shapes[0].geometry);
+    assert!(near(up, DVec3::Y));
+    let Geometry::Rectangle { corner, u, .. } = scene.shapes[1].geometry else {
+        panic!("the light is a rectangle")
+    };
+    assert!(scene.shapes[1].emission.is_some());
+    assert!(corner.y.abs() < 1e-12 && (corner + u).y.abs() < 1e-12);
+    let (_, normal) = rectangle(&scene.shapes[1].geometry);
+    assert!(near(normal, DVec3::Z), "it shines into the room");
+}
+
+#[test]
 fn other_scenes_of_the_repository_load() {
     let scene = repository_scene("spot_and_sun.toml", &LoadOptions::default());
     assert_eq!(scene.warnings, [""; 0]);

@@ -1,6 +1,6 @@
 //! A scene with every kind of primitive, material and light.
 
-use super::{floor_pixel, lambert, point_light, shape};
+use super::{emitter, floor_pixel, lambert, point_light, shape};
 use direkt::scene::light::Interpolation;
 use direkt::scene::{
     Bsdf, Emission, Environment, EnvironmentMap, EnvironmentRadiance, Geometry, Light, Material,
@@ -90,6 +90,32 @@ pub fn every_kind(environment: Environment) -> Scene {
         },
     ];
     scene.environment = Some(environment);
+    scene
+}
+
+/// `scene` with two more lights: a rectangle with right angles and a circular disk.
+pub fn with_right_angles(mut scene: Scene) -> Scene {
+    let along = DVec3::new(0.6, 0.1, -0.2);
+    let across = DVec3::new(0.1, 0.2, 0.4);
+    let geometries = [
+        Geometry::Rectangle {
+            corner: DVec3::new(-0.8, 0.9, 2.4),
+            u: 1.5 * across,
+            v: along,
+        },
+        Geometry::Disk {
+            center: DVec3::new(0.9, 1.2, 1.1),
+            u: 0.7 * along.normalize(),
+            v: 0.7 * across.normalize(),
+        },
+    ];
+    assert!(along.dot(across).abs() < 1e-15);
+    for geometry in geometries {
+        scene.shapes.push(Shape {
+            material: MaterialId(2),
+            ..emitter(geometry, 1.0, false)
+        });
+    }
     scene
 }
 

@@ -19,6 +19,12 @@ pub fn angle_of(y: f64, x: f64) -> f64 {
     (y + 0.0).atan2(x + 0.0)
 }
 
+/// (sin², cos²) of half the angle that has this cosine and squared sine.
+pub fn half_angle_squares(cosine: f64, sine_squared: f64) -> DVec2 {
+    let half = 0.5 * sine_squared.sqrt().atan2(cosine);
+    DVec2::new(half.sin().powi(2), half.cos().powi(2))
+}
+
 /// High word of the 64-bit product a·b.
 pub fn multiply_high(a: u32, b: u32) -> u32 {
     ((u64::from(a) * u64::from(b)) >> 32) as u32

@@ -3,7 +3,8 @@
 use super::disk::{pdf_disk_area, sample_disk_area};
 use super::polygon::{ProjectedPolygon, project_polygon, sample_projected_polygon};
 use super::rectangle::{
-    pdf_rectangle_area, sample_rectangle_area, sample_rectangle_solid_angle, spherical_rectangle,
+    pdf_rectangle_area, sample_parallelogram_solid_angle, sample_rectangle_area,
+    sample_rectangle_solid_angle, spherical_parallelogram, spherical_rectangle,
 };
 use super::sphere::{cone_height, pdf_sphere_area, sample_cone, sample_sphere_area};
 use super::triangle::{
@@ -159,18 +160,17 @@ fn sphere_cone(center: DVec3, radius: f64, x: DVec3) -> Option<f64> {
 fn sample_direction(geometry: &PrimitiveGeometry, x: DVec3, u: DVec2) -> Option<(DVec3, f64)> {
     let (direction, solid_angle) = match *geometry {
         PrimitiveGeometry::Triangle { a, u: e1, v: e2 } => {
-            let t = spherical_triangle(x, a + e1, a, a + e2);
+            let t = spherical_triangle(x, a, e1, e2);
             let direction = sample_triangle_solid_angle(&t, u.x * t.solid_angle, u.y);
             (direction, t.solid_angle)
         }
         PrimitiveGeometry::Rectangle { a, u: e1, v: e2 } => {
-            let r = spherical_rectangle(x, a, e1, e2);
-            (sample_rectangle_solid_angle(&r, u), r.solid_angle)
+            sample_quadrilateral(geometry.is_skewed(), x, [a, e1, e2], u)
         }
         PrimitiveGeometry::Disk { a, u: e1, v: e2 } => {
             // The box around it: what misses the disk finds no light.
-            let r = spherical_rectangle(x, a - e1 - e2, 2.0 * e1, 2.0 * e2);
-            (sample_rectangle_solid_angle(&r, u), r.solid_angle)
+            let around = [a - e1 - e2, 2.0 * e1, 2.0 * e2];
+            sample_quadrilateral(geometry.is_skewed(), x, around, u)
         }
         PrimitiveGeometry::Sphere { center, radius } => {
             let k = sphere_cone(center, radius, x)?;
@@ -178,6 +178,17 @@ fn sample_direction(geometry: &PrimitiveGeometry, x: DVec3, u: DVec2) -> Option<
         }
     };
     (solid_angle >= MIN_SOLID_ANGLE).then_some((direction, solid_angle))
+}
+
+/// A direction into a rectangle, or another parallelogram where it is skewed, and its solid angle.
+fn sample_quadrilateral(skewed: bool, x: DVec3, [a, e1, e2]: [DVec3; 3], u: DVec2) -> (DVec3, f64) {
+    if skewed {
+        let p = spherical_parallelogram(x, a, e1, e2);
+        (sample_parallelogram_solid_angle(&p, u), p.solid_angle)
+    } else {
+        let r = spherical_rectangle(x, a, e1, e2);
+        (sample_rectangle_solid_angle(&r, u).wi, r.solid_angle)
+    }
 }
 
 /// Projected solid angles below this are sampled by solid angle.

@@ -24,45 +24,50 @@ pub fn pdf_triangle_area(area: f64) -> PdfArea {
 /// A triangle seen from a point: unit directions to its vertices, and the solid angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SphericalTriangle {
-    /// Towards the first vertex.
+    /// Towards the first vertex A.
     pub a: DVec3,
-    /// Towards the second.
+    /// Towards the second, B.
     pub b: DVec3,
-    /// Towards the third.
+    /// Towards the third, C.
     pub c: DVec3,
-    /// |a · (b × c)|.
+    /// |A · (B × C)|.
     pub determinant: f64,
-    /// Its solid angle.
+    /// Its solid angle; 0 in its plane.
     pub solid_angle: f64,
 }
 
-/// The triangle of the points `pa`, `pb`, `pc` seen from `x` (Van Oosterom & Strackee 1983).
-pub fn spherical_triangle(x: DVec3, pa: DVec3, pb: DVec3, pc: DVec3) -> SphericalTriangle {
-    let [a, b, c] = [pa, pb, pc].map(|p| (p - x).normalize());
-    let lengths = (pa - x).length() * (pb - x).length() * (pc - x).length();
-    let determinant = (pa - x).dot((pb - pa).cross(pc - pa)).abs() / lengths;
-    let denominator = 1.0 + a.dot(b) + b.dot(c) + c.dot(a);
+/// The triangle with vertex `a` and the edges `u` and `v` from there to the others, seen from `x` (Van Oosterom & Strackee
+/// 1983).
+pub fn spherical_triangle(x: DVec3, a: DVec3, u: DVec3, v: DVec3) -> SphericalTriangle {
+    let to_a = a - x;
+    let triple = to_a.dot(u.cross(v)).abs();
+    let vertices = [to_a, to_a + u, to_a + v];
+    let [a, b, c] = vertices.map(DVec3::normalize_or_zero);
+    let lengths: f64 = vertices.iter().map(|p| p.length()).product();
+    let determinant = if lengths > 0.0 { triple / lengths } else { 0.0 };
+    let angle = 2.0 * determinant.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a));
     SphericalTriangle {
         a,
         b,
         c,
         determinant,
-        solid_angle: 2.0 * determinant.atan2(denominator),
+        solid_angle: if determinant > 0.0 { angle } else { 0.0 },
     }
 }
 
-/// The unit direction into the triangle for which the triangle between vertex a, vertex b and the side from a has the
-/// solid angle `part`, and which divides the way from b at `u` (Arvo 1995, "Stratified Sampling of Spherical Triangles";
-/// without inverse trigonometric functions by Peters 2021, "BRDF Importance Sampling for Polygonal Lights").
+/// The unit direction into the triangle for which the triangle between A, B and the side from B to the direction's arc
+/// has the solid angle `part`, and which divides the way from A at `u` (Arvo 1995, "Stratified Sampling of Spherical
+/// Triangles"; without inverse trigonometric functions by Peters 2021, "BRDF Importance Sampling for Polygonal Lights").
 pub fn sample_triangle_solid_angle(t: &SphericalTriangle, part: f64, u: f64) -> DVec3 {
     let (sin, cos) = (0.5 * part).sin_cos();
-    let along = t.a * (t.determinant * cos - (t.a.dot(t.c) + t.b.dot(t.c)) * sin)
+    // The bisector of B and the end Q of the direction's arc.
+    let along = t.b * (t.determinant * cos - (t.b.dot(t.c) + t.a.dot(t.c)) * sin)
         + t.c * ((1.0 + t.a.dot(t.b)) * sin);
-    let bisector = along.normalize_or(t.a);
-    let q = 2.0 * t.a.dot(bisector) * bisector - t.a;
-    let k = 0.5 * (t.b - q).length_squared();
+    let bisector = along.normalize_or(t.b);
+    let q = 2.0 * t.b.dot(bisector) * bisector - t.b;
+    let k = 0.5 * (t.a - q).length_squared();
     let s = (u * (2.0 - u * k) / (2.0 - k)).sqrt();
-    ((1.0 - u * k - s * (1.0 - k)) * t.b + s * q).normalize()
+    ((1.0 - u * k - s * (1.0 - k)) * t.a + s * q).normalize()
 }
 
 /// Density of [`sample_triangle_solid_angle`] over a solid angle.

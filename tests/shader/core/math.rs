@@ -5,7 +5,7 @@ use crate::support::random::Random;
 use crate::support::rounding::{U, assert_near};
 use crate::support::shader::{Function, call, words};
 use direkt::reference::core::math::{
-    angle_of, luminance, max_abs, multiply_high, sin_cos_octant, sin_cos_two_pi,
+    angle_of, half_angle_squares, luminance, max_abs, multiply_high, sin_cos_octant, sin_cos_two_pi,
 };
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_4, PI};
@@ -107,6 +107,40 @@ fn angles_are_the_twins() {
             format!("{}: ({x}, {y})", context.adapter.name),
         );
         assert!(angle.abs() <= f64::from(PI as f32), "({x}, {y})");
+    }
+}
+
+/// The larger square is a sum, 1 U, which the cosine's own rounding U moves by as much; the smaller a product with the
+/// squared sine, known to U, and a quotient, 5 U: 8 U. Of angles that f32 cannot tell from 0 and π as well.
+#[test]
+fn squares_of_half_angles_are_the_twins() {
+    let context = context();
+    let function = Function {
+        imports: "import package::core::math::half_angle_squares;",
+        body: "out_vec2f(0u, half_angle_squares(in_f32(0u), in_f32(1u)));",
+        inputs: 2,
+        outputs: 2,
+        features: &[],
+    };
+    let mut random = Random::new(16);
+    let small = (0..10_000).map(|_| random.magnitude(1e-15, 1.0));
+    let angles: Vec<f64> = small
+        .flat_map(|x| [x, PI * x, PI - x, PI * (1.0 - x)])
+        .collect();
+    let inputs: Vec<f64> = angles
+        .iter()
+        .flat_map(|x| [x.cos(), x.sin().powi(2)])
+        .collect();
+    let answers = call(&context, &function, &words(&inputs));
+    for ((angle, given), found) in angles
+        .iter()
+        .zip(inputs.chunks_exact(2))
+        .zip(answers.vec2(0))
+    {
+        let what = format!("{}: {angle}", context.adapter.name);
+        let expected = half_angle_squares(given[0], given[1]);
+        assert_near(found.x, expected.x, 8.0 * U * expected.x, &what);
+        assert_near(found.y, expected.y, 8.0 * U * expected.y, &what);
     }
 }
 

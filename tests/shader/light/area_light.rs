@@ -1,9 +1,9 @@
 //! `shaders/light/area_light.wesl`, as far as solid angles go; `light.rs` tests sampling by area, and both against their
 //! densities.
 
-use crate::support::every_kind::{constant_environment, every_kind};
+use crate::support::every_kind::{constant_environment, every_kind, with_right_angles};
 use crate::support::random::numbers;
-use crate::support::rounding::U;
+use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, emitter, floor_pixel, render};
 use direkt::accel::PrimitiveGeometry;
@@ -11,7 +11,7 @@ use direkt::emitters::Emitter;
 use direkt::reference::core::frame::frame_from_normal;
 use direkt::reference::core::pdf::PdfDiscrete;
 use direkt::reference::exact::solid_angle::{cone_solid_angle, polygon_solid_angle};
-use direkt::reference::light::area_light::{area_light, sample_area_light};
+use direkt::reference::light::area_light::{MIN_SOLID_ANGLE, area_light, sample_area_light};
 use direkt::reference::scene::fetch::World;
 use direkt::render::Prepared;
 use direkt::scene::{FilmSize, Geometry, LightSampling, LightSelection, Strategy};
@@ -47,25 +47,31 @@ fn exact_solid_angle(geometry: &PrimitiveGeometry, x: DVec3) -> f64 {
 }
 
 /// The density is 1 over the exact solid angle, and the direction the twin's: each up to a hundred roundings of the
-/// light as f32 deforms it, seen from its own size away or further.
+/// light as f32 deforms it, seen from its own size away or further. `pdf_area_light` of the direction is the same density,
+/// from wherever the light is seen.
 #[test]
 fn solid_angle_samples_are_the_twins() {
     let context = context();
-    let mut scene = every_kind(constant_environment());
+    let mut scene = with_right_angles(every_kind(constant_environment()));
     scene.render.light_sampling = LightSampling::SolidAngle;
     let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
     let world = World::new(&prepared);
     let function = Function {
         imports: "import package::core::frame::frame_from_normal;
-                  import package::light::area_light::sample_area_light;
+                  import package::light::area_light::{pdf_area_light, sample_area_light};
                   import package::core::pdf::PdfDiscrete;
                   import package::scene::fetch::fetch_light;",
         body: "let facing = frame_from_normal(vec3f(0.0, 0.0, 1.0));
-               let s = sample_area_light(fetch_light(in_u32(0u)), PdfDiscrete(0.5), in_vec3f(1u), facing, in_vec2f(4u));
+               let light = fetch_light(in_u32(0u));
+               let x = in_vec3f(1u);
+               let s = sample_area_light(light, PdfDiscrete(light.selection), x, facing, in_vec2f(4u));
+               let d = s.target_point - x;
+               let cos_light = abs(dot(normalize(cross(light.u, light.v)), s.wi));
                out_vec3f(0u, s.wi);
-               out_f32(3u, s.pdf.value);",
+               out_f32(3u, s.pdf.value);
+               out_f32(4u, pdf_area_light(in_u32(0u), x, facing, s.wi, dot(d, d), cos_light).value);",
         inputs: 6,
-        outputs: 4,
+        outputs: 5,
         features: &[],
     };
     let mut items = Vec::new();
@@ -91,11 +97,21 @@ fn solid_angle_samples_are_the_twins() {
         .collect();
     let answers = call_in(&context, &prepared, &function, &inputs, items.len());
     let mut compared = 0;
-    for ((index, x, u), (wi, pdf)) in items.iter().zip(answers.vec3(0).zip(answers.f64(3))) {
+    let found = answers.vec3(0).zip(answers.f64(3)).zip(answers.f64(4));
+    for ((index, x, u), ((wi, pdf), evaluated)) in items.iter().zip(found) {
         let light = area_light(&world, *index);
         let facing = frame_from_normal(DVec3::Z);
-        let twin = sample_area_light(&light, PdfDiscrete(0.5), *x, &facing, *u);
+        let selection = PdfDiscrete(prepared.emitters.probability(*index as usize));
+        let twin = sample_area_light(&light, selection, *x, &facing, *u);
         let solid_angle = exact_solid_angle(&light.geometry, *x);
+        let by_solid_angle = solid_angle > 1.1 * MIN_SOLID_ANGLE && solid_angle.is_finite();
+        if pdf > 0.0 && by_solid_angle {
+            assert!(
+                close(evaluated, pdf, 4.0),
+                "{:?} from {x}: {pdf}, evaluated {evaluated}",
+                light.geometry
+            );
+        }
         let away = solid_angle > 1e-3 && solid_angle < 1.5;
         if !away || twin.pdf.0 == 0.0 || pdf == 0.0 {
             continue;
@@ -103,7 +119,7 @@ fn solid_angle_samples_are_the_twins() {
         compared += 1;
         let bound = 128.0 * U * (1.0 + deformation(&light.geometry));
         let what = format!("{:?} from {x}, {u}", light.geometry);
-        let off = (pdf * solid_angle / 0.5 - 1.0).abs();
+        let off = (pdf * solid_angle / selection.0 - 1.0).abs();
         assert!(
             off <= bound,
             "{what}: density off by {off:.1e}, bound {bound:.1e}"

@@ -11,6 +11,7 @@ mod environment;
 mod light;
 mod polygon;
 mod rectangle;
+mod seen;
 mod sphere;
 mod spot;
 mod triangle;

@@ -1,5 +1,7 @@
 //! `shaders/light/triangle.wesl`.
 
+mod solid_angle;
+
 use crate::support::random::Random;
 use crate::support::rounding::{U, assert_integrates_to_one, assert_near};
 use crate::support::shader::{Function, call, draw, words};

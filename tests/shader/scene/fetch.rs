@@ -114,9 +114,10 @@ fn lights_come_back() {
     let prepared = every();
     let body = "let l = fetch_light(item);
                 out_vec3f(0u, l.a); out_vec3f(3u, l.u); out_vec3f(6u, l.v); out_vec3f(9u, l.radiance);
-                out_u32(12u, l.kind); out_bool(13u, l.two_sided); out_f32(14u, l.selection); out_f32(15u, l.area);";
+                out_u32(12u, l.kind); out_bool(13u, l.two_sided); out_f32(14u, l.selection); out_f32(15u, l.area);
+                out_bool(16u, l.skewed);";
     let lights = &prepared.emitters.lights;
-    let answers = fetched(&prepared, body, 16, lights.len());
+    let answers = fetched(&prepared, body, 17, lights.len());
     let mut kinds = [0; 8];
     for (i, light) in lights.iter().enumerate() {
         let zero = DVec3::ZERO;
@@ -177,8 +178,10 @@ fn lights_come_back() {
                 "light {i}, word {word}"
             );
         }
-        let found = [12, 13].map(|word| item(answers.u32(word), i));
-        assert_eq!(found, [kind, u32::from(two_sided)], "light {i}");
+        let skewed = matches!(kind, LIGHT_RECTANGLE | LIGHT_DISK);
+        let found = [12, 13, 16].map(|word| item(answers.u32(word), i));
+        let expected = [kind, u32::from(two_sided), u32::from(skewed)];
+        assert_eq!(found, expected, "light {i}");
         let numbers = [14, 15].map(|word| item(answers.f64(word), i) as f32);
         let expected = [prepared.emitters.probability(i) as f32, area as f32];
         assert_eq!(numbers, expected, "light {i}");

@@ -1,7 +1,7 @@
 //! Directions towards area lights against their density per solid angle.
 
 use super::{DRAWN, directions, facing_z, prepared, receivers};
-use crate::support::every_kind::constant_environment;
+use crate::support::every_kind::{constant_environment, every_kind, with_right_angles};
 use crate::support::{context, histogram, statistics};
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
@@ -13,7 +13,8 @@ use direkt::reference::core::ray_planar::intersect_rectangle;
 use direkt::reference::core::ray_sphere::intersect_sphere;
 use direkt::reference::light::area_light::pdf_area_light;
 use direkt::reference::scene::fetch::World;
-use direkt::scene::LightSampling;
+use direkt::render::Prepared;
+use direkt::scene::{LightSampling, LightSelection, Strategy};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -118,29 +119,35 @@ fn towards(geometry: &PrimitiveGeometry, x: DVec3, p: DVec2) -> DVec3 {
 /// is cut by its edge.
 #[test]
 fn directions_towards_area_lights_match_pdf() {
-    directions_match_pdf(LightSampling::Area);
+    let prepared = prepared(constant_environment(), LightSampling::Area);
+    assert_eq!(directions_match_pdf(&prepared), 8, "four kinds");
 }
 
-/// The same where lights are sampled over their solid angles.
+/// The same where lights are sampled over their solid angles, in one way if they have right angles, in another if not.
 #[test]
 fn directions_over_solid_angles_match_pdf() {
-    directions_match_pdf(LightSampling::SolidAngle);
+    let mut scene = with_right_angles(every_kind(constant_environment()));
+    scene.render.light_sampling = LightSampling::SolidAngle;
+    let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
+    let tested = directions_match_pdf(&prepared);
+    assert_eq!(tested, 12, "four kinds, two of them in two ways");
 }
 
-fn directions_match_pdf(sampling: LightSampling) {
+/// How many lights were tested, from two points each.
+fn directions_match_pdf(prepared: &Prepared) -> usize {
     let context = context();
-    let prepared = prepared(constant_environment(), sampling);
-    let world = World::new(&prepared);
+    let sampling = prepared.scene.render.light_sampling;
+    let world = World::new(prepared);
     let mut tested = 0;
     for (index, light) in (0_u32..).zip(&prepared.emitters.lights) {
         let Emitter::Area { primitive, .. } = *light else {
             continue;
         };
         let geometry = &prepared.primitives[primitive as usize].geometry;
-        for (k, x) in (0..).zip(receivers(&prepared, light).into_iter().take(2)) {
+        for (k, x) in (0..).zip(receivers(prepared, light).into_iter().take(2)) {
             tested += 1;
             let seed = 50 + 4 * index + k;
-            let wis = directions(&context, &prepared, index, x, seed);
+            let wis = directions(&context, prepared, index, x, seed);
             // A point on the border may round beyond it, by the angle that a direction is known to.
             let samples: Vec<DVec2> = wis
                 .iter()
@@ -191,5 +198,5 @@ fn directions_match_pdf(sampling: LightSampling) {
             }
         }
     }
-    assert_eq!(tested, 8, "four kinds from two points each");
+    tested
 }
