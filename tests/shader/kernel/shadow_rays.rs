@@ -225,13 +225,13 @@ fn every_ray_is_uniform_in_every_pixel() {
 }
 
 /// Where every light has its own rays, those to two lights are independent, and each light's are as well distributed as
-/// the sampler can do: 16 samples of 4 rays put one point in each of 8 × 8 cells.
+/// the sampler can do: a replicate's 16 samples of 4 rays put one point in each of 8 × 8 cells.
 #[test]
 fn lights_have_rays_of_their_own() {
     for pattern in [ShadowPattern::Random, ShadowPattern::Stratified] {
         for sampler in INDEPENDENT_PAIRS {
             let mut prepared = prepared(4, pattern, LightSelection::All, sampler);
-            prepared.scene.render.spp = 16;
+            prepared.scene.render.spp = 32;
             let (twin, _) = twin(&prepared);
             let pairs = (0..SAMPLES).flat_map(|index| {
                 (0..4).map(move |ray| {
