@@ -96,18 +96,19 @@ impl Scale {
         }
     }
 
-    /// Powers of ten, and their multiples 2 to 9, which have numbers where powers alone are too few to read values by.
+    /// Powers of ten, and their multiples 2 to 9, of which 2 and 5 have numbers where powers alone are too few to read values by.
     fn powers(&self) -> Vec<Tick> {
         let powers = self.low.ceil() as i32..=self.high.floor() as i32;
         let count = powers.clone().count() as i32;
         let step = (count + MAX_POWERS - 1) / MAX_POWERS;
         let mut ticks = Vec::new();
         for power in self.low.floor() as i32..=self.high.floor() as i32 {
-            let multiples = (2..10).map(|m| f64::from(m) * 10_f64.powi(power));
-            let inside = multiples.filter(|v| (self.low..=self.high).contains(&v.log10()));
-            ticks.extend(inside.filter(|_| step < 2).map(|v| Tick {
+            let multiples = (2..10).map(|m| (m, f64::from(m) * 10_f64.powi(power)));
+            let inside = multiples.filter(|(_, v)| (self.low..=self.high).contains(&v.log10()));
+            ticks.extend(inside.filter(|_| step < 2).map(|(m, v)| Tick {
                 at: self.at(v),
-                label: if count < 2 {
+                // The others are too close for numbers.
+                label: if count < 2 && (m == 2 || m == 5) {
                     super::text::number(v)
                 } else {
                     String::new()
@@ -183,7 +184,11 @@ mod tests {
     fn a_single_value_has_a_scale() {
         let scale = Scale::logarithmic([3.0].into_iter(), (0.0, 1.0));
         assert!((scale.at(3.0) - 0.5).abs() < 1e-9);
-        assert!(labels(&scale, true).contains(&"3.00".to_owned()));
+        assert_eq!(
+            labels(&scale, true),
+            ["2.00", "5.00"],
+            "3, 4 and the rest are too close"
+        );
         let linear = Scale::linear([3.0].into_iter(), (0.0, 1.0));
         assert!((linear.at(3.0) - 0.5).abs() < 1e-9);
         for empty in [Scale::logarithmic, Scale::linear] {
