@@ -1,15 +1,16 @@
 //! `shaders/core/sampler.wesl`.
 
+mod stratifying;
+
 use crate::support::context;
 use crate::support::random::Random;
 use crate::support::shader::{Function, call, draw};
 use crate::support::statistics::{accept, correlation_p_value, reject};
 use direkt::reference::core::rng::to_unit;
 use direkt::reference::core::sampler::{
-    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS, Numbers, SampleId,
-    part_of_sample, random_group,
+    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS, SampleId, part_of_sample,
+    random_group,
 };
-use direkt::scene::Sampler;
 
 const GROUPS: [u32; 3] = [GROUP_FILM, GROUP_LIGHT, GROUP_DIRECTION];
 const ALL_GROUPS: [u32; 4] = [GROUP_FILM, GROUP_LIGHT, GROUP_DIRECTION, GROUP_LIGHT_POINTS];
@@ -258,155 +259,4 @@ fn neighbouring_samples_do_not_correlate() {
         p,
         "random_group, a hundredth of two groups' numbers the same",
     );
-}
-
-/// Each sampler's groups are the twin's, bit for bit, with patterns of several sizes.
-#[test]
-fn groups_of_every_sampler_are_bit_identical() {
-    let context = context();
-    for (sampler, feature) in [
-        (Sampler::Stratified, "SAMPLER_STRATIFIED"),
-        (Sampler::Sobol, "SAMPLER_SOBOL"),
-        (Sampler::BlueNoise, "SAMPLER_BLUE_NOISE"),
-    ] {
-        let mut random = Random::new(64);
-        let features = [feature];
-        let function = Function {
-            body: "let name = SampleId(in_u32(0u), vec2u(in_u32(1u), in_u32(2u)), in_u32(3u), in_u32(5u), vec2u(in_u32(6u), in_u32(7u)));
-                   let words = random_group(name, in_u32(4u));
-                   out_u32(0u, words.x);
-                   out_u32(1u, words.y);
-                   out_u32(2u, words.z);
-                   out_u32(3u, words.w);",
-            inputs: 8,
-            features: &features,
-            ..RANDOM_GROUP
-        };
-        let mut items = Vec::new();
-        for spp in [1, 5, 64, 1 << 16] {
-            for width in [1, 512, 70_000] {
-                for i in 0..500 {
-                    let index = match i % 3 {
-                        0 => i,
-                        1 => u64::from(random.word()),
-                        _ => u64::from(random.word()) << 32 | u64::from(random.word()),
-                    };
-                    let id = SampleId {
-                        pixel: random.word(),
-                        index,
-                        seed: 65,
-                    };
-                    let numbers = Numbers {
-                        sampler,
-                        pattern: sampler.pattern(spp),
-                        width,
-                    };
-                    items.push((numbers, id, ALL_GROUPS[i as usize % 4]));
-                }
-            }
-        }
-        let inputs: Vec<u32> = items
-            .iter()
-            .flat_map(|(n, id, group)| {
-                let named = input(*id, *group);
-                named
-                    .into_iter()
-                    .chain([n.width, n.pattern[0], n.pattern[1]])
-            })
-            .collect();
-        let answers = call(&context, &function, &inputs);
-        for word in 0..4 {
-            for ((numbers, id, group), got) in items.iter().zip(answers.u32(word)) {
-                let expected = numbers.group(*id, *group)[word];
-                assert_eq!(got, expected, "{numbers:?}, group {group} of {id:?}");
-            }
-        }
-    }
-}
-
-/// Even and odd samples are replicates of samplers that stratify: the twin's, with seeds of their own.
-#[test]
-fn samples_of_every_sampler_are_named_alike() {
-    let context = context();
-    let indices = [
-        0,
-        1,
-        2,
-        3,
-        77,
-        (1 << 32) - 1,
-        1 << 32,
-        (1 << 33) + 1,
-        u64::MAX,
-    ];
-    for (sampler, features) in [
-        (Sampler::Independent, &[][..]),
-        (Sampler::Stratified, &["SAMPLER_STRATIFIED"]),
-        (Sampler::Sobol, &["SAMPLER_SOBOL"]),
-        (Sampler::BlueNoise, &["SAMPLER_BLUE_NOISE"]),
-    ] {
-        let function = Function {
-            imports: "import package::core::sampler::sample_id;",
-            body: "let named = sample_id(in_u32(0u), vec2u(in_u32(1u), in_u32(2u)), in_u32(3u), 7u, vec2u(3u, 2u));
-                   out_u32(0u, named.pixel);
-                   out_u32(1u, named.index.x);
-                   out_u32(2u, named.index.y);
-                   out_u32(3u, named.seed);
-                   out_u32(4u, named.width + named.pattern.x + named.pattern.y);",
-            inputs: 4,
-            outputs: 5,
-            features,
-        };
-        let inputs: Vec<u32> = indices
-            .iter()
-            .flat_map(|&index| [9, index as u32, (index >> 32) as u32, 67])
-            .collect();
-        let answers = call(&context, &function, &inputs);
-        let numbers = Numbers {
-            sampler,
-            ..Numbers::default()
-        };
-        for (i, &index) in indices.iter().enumerate() {
-            let id = numbers.sample_id(9, index, 67);
-            let found = [0, 1, 2, 3, 4].map(|word| answers.u32(word).nth(i).unwrap());
-            let expected = [
-                id.pixel,
-                id.index as u32,
-                (id.index >> 32) as u32,
-                id.seed,
-                12,
-            ];
-            assert_eq!(found, expected, "{sampler}, sample {index}");
-        }
-        let seeds = [0, 1, 2].map(|index| numbers.sample_id(9, index, 67).seed);
-        assert_eq!(seeds[0], seeds[2]);
-        assert_eq!(seeds[0] == seeds[1], sampler.is_independent());
-    }
-}
-
-/// The 64 samples of a pixel's replicate in each pair of dimensions: one in every cell of an 8 × 8 grid.
-#[test]
-fn stratified_samplers_fill_the_grid() {
-    for sampler in [Sampler::Stratified, Sampler::Sobol, Sampler::BlueNoise] {
-        let numbers = Numbers {
-            sampler,
-            pattern: sampler.pattern(128),
-            width: 9,
-        };
-        for (pixel, group) in [(0, GROUP_FILM), (40, GROUP_LIGHT), (80, GROUP_DIRECTION)] {
-            let mut hits = [[0; 64]; 2];
-            for index in 0..64 {
-                let id = SampleId {
-                    pixel,
-                    index,
-                    seed: 66,
-                };
-                let words = numbers.group(id, group);
-                for (pair, hits) in words.chunks(2).zip(&mut hits) {
-                    hits[(pair[1] >> 29 << 3 | pair[0] >> 29) as usize] += 1;
-                }
-            }
-            assert_eq!(hits, [[1; 64]; 2], "{sampler}, pixel {pixel}");
-        }
-    }
 }
