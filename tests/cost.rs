@@ -5,7 +5,7 @@ use direkt::cost::estimator::{Choices, combinations};
 use direkt::cost::{SceneCost, Settings, measure};
 use direkt::report::machine::Machine;
 use direkt::report::write;
-use direkt::scene::{FilmSize, LightSelection, Sampler, ShadowPattern, Strategy};
+use direkt::scene::{FilmSize, RenderSettings, Sampler, Strategy};
 use std::cell::Cell;
 
 /// The cost of two estimators, stopped as soon as the progress says `at`.
@@ -19,10 +19,8 @@ fn stopped_at(at: &str) -> Option<SceneCost> {
     let settings = Settings {
         estimators: combinations(&Choices {
             strategies: strategies.to_vec(),
-            light_selections: vec![LightSelection::Power],
-            shadow_rays: vec![1],
-            shadow_patterns: vec![ShadowPattern::Random],
             samplers: vec![Sampler::Sobol],
+            ..Choices::of(&RenderSettings::default())
         }),
         budget: 2.0,
         target: 1e-3,

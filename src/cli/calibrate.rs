@@ -1,10 +1,10 @@
 //! `direkt cost --calibrate`: do images know their own error?
 
+use super::cost::or;
 use super::print;
-use crate::cost::calibrate::{Calibration, Estimate, Settings, calibrate};
+use crate::cost::calibrate::{Calibration, Estimate, Settings};
 use crate::cost::estimator::{Choices, combinations};
 use crate::error::Error;
-use crate::gpu::Context;
 use crate::report::format::short;
 use crate::scene::{Sampler, Scene, Strategy};
 use clap::ValueEnum;
@@ -24,36 +24,23 @@ pub struct CalibrateArguments {
 }
 
 impl CalibrateArguments {
-    /// Calibrates `strategies`, or the scene's where there are none, with `samplers`, or all.
-    pub fn run(
+    /// What to calibrate on `scene`: `strategies`, or its own where there are none, with `samplers`, or all.
+    pub fn settings(
         &self,
-        context: &Context,
         scene: &Scene,
         strategies: &[Strategy],
         samplers: &[Sampler],
-        progress: &mut dyn FnMut(&str, f64),
-    ) -> Result<Vec<Calibration>, Error> {
-        let strategies = match strategies {
-            [] => vec![scene.render.strategy],
-            list => list.to_vec(),
-        };
-        let samplers = match samplers {
-            [] => Sampler::value_variants().to_vec(),
-            list => list.to_vec(),
-        };
-        let settings = Settings {
+    ) -> Settings {
+        Settings {
             estimators: combinations(&Choices {
-                strategies,
-                light_selections: vec![scene.render.light_selection],
-                shadow_rays: vec![scene.render.shadow_rays],
-                shadow_patterns: vec![scene.render.shadow_pattern],
-                samplers,
+                strategies: or(strategies, &[scene.render.strategy]),
+                samplers: or(samplers, Sampler::value_variants()),
+                ..Choices::of(&scene.render)
             }),
             images: self.images,
             samples: self.spp.unwrap_or(scene.render.spp),
             seed: scene.render.seed,
-        };
-        calibrate(context, scene, &settings, progress)
+        }
     }
 }
 

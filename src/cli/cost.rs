@@ -4,18 +4,18 @@ use super::calibrate::{CalibrateArguments, print_table};
 use super::interrupt::Interrupt;
 use super::settings::{ImageArguments, SceneListArguments};
 use super::{AdapterArgument, JsonArgument, print, progress};
-use crate::cost::calibrate::Calibration;
+use crate::cost::calibrate::{Calibration, calibrate};
 use crate::cost::estimator::{self, Choices};
 use crate::cost::{SceneCost, Settings, measure};
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::report::format::{number, range, seconds, short, slope};
 use crate::report::{self, csv, machine::Machine};
-use crate::scene::{LightSelection, Sampler, Scene, ShadowPattern, Strategy};
+use crate::scene::{LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
 use clap::ValueEnum;
 use indicatif::ProgressBar;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Arguments of `direkt cost`.
@@ -37,6 +37,9 @@ pub struct Arguments {
     /// Strategies to compare [default: all]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     strategies: Vec<Strategy>,
+    /// How strategies that do not say so themselves choose a point of a light [default: the scene's]
+    #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
+    light_samplings: Vec<LightSampling>,
     /// Light selections to compare [default: the scene's]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     light_selections: Vec<LightSelection>,
@@ -76,7 +79,7 @@ pub struct Arguments {
 struct Report<'a> {
     machine: &'a Machine,
     interrupted: bool,
-    /// Scenes of which there is no result because it was.
+    /// Scenes, with `--calibrate` estimators, of which there is no result because it was.
     not_measured: &'a [String],
     scenes: &'a [SceneCost],
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
@@ -90,77 +93,47 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     for scene in &mut scenes {
         arguments.image.apply(scene)?;
     }
-    let context = Context::new(arguments.adapter.adapter.as_deref())?;
-    let machine = Machine::this(&context.adapter);
-    let quiet = arguments.quiet || arguments.json.is_stdout();
-    let Some(output) = arguments
-        .output
-        .as_ref()
-        .filter(|_| !arguments.calibrate.calibrate)
-    else {
-        return arguments.calibrate(&context, &machine, &scenes, quiet);
+    let bench = Bench {
+        context: Context::new(arguments.adapter.adapter.as_deref())?,
+        interrupt: Interrupt::listen(),
+        quiet: arguments.quiet || arguments.json.is_stdout(),
     };
-    let interrupt = Interrupt::listen();
-    let (mut costs, mut not_measured) = (Vec::new(), Vec::new());
-    for scene in &scenes {
-        match measure_scene(
-            &context,
-            scene,
-            &arguments.settings(scene),
-            &interrupt,
-            quiet,
-        )? {
-            Some(cost) => costs.push(cost),
-            None => not_measured.push(scene.source.display().to_string()),
+    match &arguments.output {
+        Some(output) if !arguments.calibrate.calibrate => {
+            arguments.measure(&bench, &scenes, output)
         }
+        _ => arguments.calibrate(&bench, &scenes),
     }
-    let interrupted = !not_measured.is_empty() || costs.iter().any(|c| c.interrupted);
-    if costs.is_empty() {
-        eprintln!("direkt: interrupted before there was enough for a result, nothing was written");
-        return Ok(ExitCode::FAILURE);
-    }
-    report::write(output, &costs, &not_measured, &machine)?;
-    if let Some(path) = &arguments.csv {
-        crate::image::write_atomically(path, csv::table(&costs).as_bytes())?;
-    }
-    arguments.json.write(&Report {
-        machine: &machine,
-        interrupted,
-        not_measured: &not_measured,
-        scenes: &costs,
-        calibrations: &[],
-    })?;
-    if !quiet {
-        if interrupted {
-            eprintln!("direkt: interrupted, the report shows what was measured until then");
-        }
-        let page = output.join("report.html");
-        print(&format!("{}\n", page.display()))?;
-    }
-    Ok(ExitCode::SUCCESS)
+}
+
+/// What every measurement needs.
+struct Bench {
+    context: Context,
+    interrupt: Interrupt,
+    /// Nothing but results is printed.
+    quiet: bool,
 }
 
 /// The cost on `scene`; `None` where Ctrl-C came before there was enough for a result.
 fn measure_scene(
-    context: &Context,
+    bench: &Bench,
     scene: &Scene,
     settings: &Settings,
-    interrupt: &Interrupt,
-    quiet: bool,
 ) -> Result<Option<SceneCost>, Error> {
-    if interrupt.came() {
+    if bench.interrupt.came() {
         return Ok(None);
     }
     let source = scene.source.display();
-    if !quiet {
-        let (name, driver) = (&context.adapter.name, &context.adapter.driver);
+    if !bench.quiet {
+        let (name, driver) = (&bench.context.adapter.name, &bench.context.adapter.driver);
         eprintln!("measuring {source} on {name} ({driver})");
     }
-    let progress = Bar::new(settings.budget, quiet);
+    let progress = Bar::new(settings.budget, bench.quiet);
     let mut show = |what: &str, spent: f64| progress.show(&format!("{source}: {what}"), spent);
-    let cost = measure(context, scene, settings, &mut show, &|| interrupt.came())?;
+    let stop = || bench.interrupt.came();
+    let cost = measure(&bench.context, scene, settings, &mut show, &stop)?;
     progress.finish();
-    if let Some(cost) = cost.as_ref().filter(|_| !quiet) {
+    if let Some(cost) = cost.as_ref().filter(|_| !bench.quiet) {
         print(&summary(cost))?;
     }
     Ok(cost)
@@ -189,31 +162,73 @@ impl Arguments {
         Ok(())
     }
 
-    /// `--calibrate`.
-    fn calibrate(
-        &self,
-        context: &Context,
-        machine: &Machine,
-        scenes: &[Scene],
-        quiet: bool,
-    ) -> Result<ExitCode, Error> {
-        let mut calibrations = Vec::new();
+    /// Measures the scenes and writes the report into the folder `output`.
+    fn measure(&self, bench: &Bench, scenes: &[Scene], output: &Path) -> Result<ExitCode, Error> {
+        let machine = Machine::this(&bench.context.adapter);
+        let (mut costs, mut not_measured) = (Vec::new(), Vec::new());
         for scene in scenes {
-            let progress = Bar::new(1.0, quiet);
+            match measure_scene(bench, scene, &self.settings(scene))? {
+                Some(cost) => costs.push(cost),
+                None => not_measured.push(scene.source.display().to_string()),
+            }
+        }
+        let interrupted = !not_measured.is_empty() || costs.iter().any(|c| c.interrupted);
+        if costs.is_empty() {
+            return Ok(nothing_to_tell());
+        }
+        report::write(output, &costs, &not_measured, &machine)?;
+        if let Some(path) = &self.csv {
+            crate::image::write_atomically(path, csv::table(&costs).as_bytes())?;
+        }
+        self.json.write(&Report {
+            machine: &machine,
+            interrupted,
+            not_measured: &not_measured,
+            scenes: &costs,
+            calibrations: &[],
+        })?;
+        if !bench.quiet {
+            if interrupted {
+                eprintln!("direkt: interrupted, the report shows what was measured until then");
+            }
+            let page = output.join("report.html");
+            print(&format!("{}\n", page.display()))?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// `--calibrate`.
+    fn calibrate(&self, bench: &Bench, scenes: &[Scene]) -> Result<ExitCode, Error> {
+        let stop = || bench.interrupt.came();
+        let (mut calibrations, mut not_measured) = (Vec::new(), Vec::new());
+        for scene in scenes {
+            let progress = Bar::new(1.0, bench.quiet);
             let mut show = |what: &str, part: f64| progress.show(what, part);
-            let arguments = &self.calibrate;
-            let found =
-                arguments.run(context, scene, &self.strategies, &self.samplers, &mut show)?;
+            let settings = self
+                .calibrate
+                .settings(scene, &self.strategies, &self.samplers);
+            let found = calibrate(&bench.context, scene, &settings, &mut show, &stop)?;
             progress.finish();
-            if !quiet {
+            if found.len() < settings.estimators.len() {
+                let missing = settings.estimators[found.len()..].iter();
+                let source = scene.source.display();
+                not_measured.extend(missing.map(|e| format!("{source}: {e}")));
+            }
+            if !bench.quiet {
                 print_table(&found)?;
             }
             calibrations.extend(found);
         }
+        if calibrations.is_empty() {
+            return Ok(nothing_to_tell());
+        }
+        if !(not_measured.is_empty() || bench.quiet) {
+            eprintln!("direkt: interrupted, the table shows the estimators that were finished");
+        }
         self.json.write(&Report {
-            machine,
-            interrupted: false,
-            not_measured: &[],
+            machine: &Machine::this(&bench.context.adapter),
+            interrupted: !not_measured.is_empty(),
+            not_measured: &not_measured,
             scenes: &[],
             calibrations: &calibrations,
         })?;
@@ -224,6 +239,7 @@ impl Arguments {
         let render = &scene.render;
         let choices = Choices {
             strategies: or(&self.strategies, Strategy::value_variants()),
+            light_samplings: or(&self.light_samplings, &[render.light_sampling]),
             light_selections: or(&self.light_selections, &[render.light_selection]),
             shadow_rays: or(&self.shadow_rays, &[render.shadow_rays]),
             shadow_patterns: or(&self.shadow_patterns, &[render.shadow_pattern]),
@@ -239,8 +255,14 @@ impl Arguments {
     }
 }
 
+/// Says that Ctrl-C came too early.
+fn nothing_to_tell() -> ExitCode {
+    eprintln!("direkt: interrupted before there was enough for a result, nothing was written");
+    ExitCode::FAILURE
+}
+
 /// `list`, or `default` where it is empty.
-fn or<T: Clone>(list: &[T], default: &[T]) -> Vec<T> {
+pub fn or<T: Clone>(list: &[T], default: &[T]) -> Vec<T> {
     if list.is_empty() { default } else { list }.to_vec()
 }
 

@@ -9,6 +9,7 @@
 use super::Progress;
 use super::estimator::{self, Estimator};
 use super::halt::Halt;
+use super::reference::Reference;
 use super::runner::{Runner, Seeds, prepare};
 use crate::error::Error;
 use crate::gpu::Context;
@@ -80,7 +81,7 @@ pub struct Stopped {
     pub bias_of_mean: [Estimate; 3],
 }
 
-/// Calibrates `estimators` on `scene`.
+/// Calibrates `estimators` on `scene`; those that are finished when `stop` asks to end.
 ///
 /// # Errors
 /// An estimator finds no light, or the driver fails.
@@ -89,6 +90,7 @@ pub fn calibrate(
     scene: &Scene,
     settings: &Settings,
     progress: Progress<'_>,
+    stop: &dyn Fn() -> bool,
 ) -> Result<Vec<Calibration>, Error> {
     let mut calibrations = Vec::new();
     for &estimator in &settings.estimators {
@@ -99,7 +101,11 @@ pub fn calibrate(
         }
         progress(&format!("compiling {estimator}"), 0.0);
         let mut runner = Runner::new(context, &prepared, scene.film, estimator)?;
-        calibrations.push(one(scene, &mut runner, settings, progress)?);
+        match one(scene, &mut runner, settings, progress, stop) {
+            Ok(calibration) => calibrations.push(calibration),
+            Err(Halt::Stopped) => break,
+            Err(Halt::Failed(error)) => return Err(error),
+        }
     }
     Ok(calibrations)
 }
@@ -115,7 +121,8 @@ fn one(
     runner: &mut Runner<'_>,
     settings: &Settings,
     progress: Progress<'_>,
-) -> Result<Calibration, Error> {
+    stop: &dyn Fn() -> bool,
+) -> Result<Calibration, Halt> {
     let estimator = runner.estimator;
     let mut seeds = Seeds::new(settings.seed);
     let images = f64::from(settings.images);
@@ -132,8 +139,7 @@ fn one(
     let mut fixed = Vec::new();
     for done in 0..settings.images as usize {
         tell("images", done, 0.0);
-        let run = runner.run(seeds.draw(), settings.samples, &|| false);
-        let film = run.map_err(Halt::failure)?.film;
+        let film = runner.run(seeds.draw(), settings.samples, stop)?.film;
         fixed.push(image(&film).ok_or_else(unknown)?);
     }
     let truth = Truth::new(&fixed);
@@ -148,8 +154,8 @@ fn one(
     let (mut stopped, mut samples) = (Vec::new(), Moments::default());
     for done in 0..settings.images as usize {
         tell("images that stop by themselves", done, 1.0);
-        let (run, taken) = runner.run_to(seeds.draw(), goal)?;
-        samples.push(taken as f64);
+        let run = runner.run_to(seeds.draw(), goal, stop)?;
+        samples.push(run.samples as f64);
         stopped.push(image(&run.film).ok_or_else(unknown)?);
     }
     Ok(Calibration {
@@ -211,9 +217,7 @@ fn of_stopped(
 
 /// The mean of all images.
 struct Truth {
-    mean: Vec<[f64; 3]>,
-    /// 0.01·mean².
-    floor: f64,
+    reference: Reference,
     images: f64,
 }
 
@@ -228,20 +232,21 @@ impl Truth {
                 }
             }
         }
-        let overall = mean.iter().flatten().sum::<f64>() / (3 * mean.len()) as f64;
         Self {
-            mean,
-            floor: 0.01 * overall * overall,
+            reference: Reference::exact(mean),
             images: images.len() as f64,
         }
     }
 
     /// relMSE against the mean.
     fn against(&self, image: &[[f32; 3]]) -> f64 {
-        let pixels = self.mean.iter().zip(image);
+        let pixels = self.reference.mean.iter().zip(image);
         let terms = pixels.flat_map(|(truth, x)| {
-            (0..3)
-                .map(|c| (f64::from(x[c]) - truth[c]).powi(2) / (truth[c] * truth[c] + self.floor))
+            let term = |c: usize| {
+                let off = f64::from(x[c]) - truth[c];
+                off * off * self.reference.weight(truth[c])
+            };
+            [0, 1, 2].map(term)
         });
         terms.sum::<f64>() / (3 * image.len()) as f64
     }

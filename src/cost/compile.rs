@@ -8,7 +8,7 @@ use super::schedule::Work;
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::render::Prepared;
-use crate::scene::{Sampler, Scene, ShadowPattern, Strategy};
+use crate::scene::{RenderSettings, Sampler, Scene, Strategy};
 
 impl<'a> Work<'a, '_> {
     /// Compiles the estimators that the scene can use, and that of the reference where it is `own_reference`.
@@ -53,9 +53,8 @@ impl<'a> Work<'a, '_> {
             let estimator = Estimator {
                 strategy: Strategy::MisPower,
                 light_selection: settings.estimators[0].light_selection,
-                shadow_rays: 1,
-                shadow_pattern: ShadowPattern::Random,
                 sampler: Sampler::Sobol,
+                ..Estimator::of(&RenderSettings::default())
             };
             progress("compiling the reference", 0.0);
             let prepared = prepare(scene, estimator).map_err(Error::from)?;

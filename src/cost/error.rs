@@ -11,11 +11,11 @@
 //!
 //! The intervals come from independent replicates (other seeds), pixel by pixel: how the squared errors of one pixel vary
 //! over the replicates, summed over pixels, which are independent of each other under all samplers but blue noise. For that
-//! one, tiles of [`BLUE_NOISE_TILE`]² pixels take the place of pixels.
+//! one, tiles take the place of pixels ([`unit_side`]).
 
 use super::interval::{Interval, student_95};
 use super::reference::Reference;
-use crate::render::{BLUE_NOISE_TILE, Film};
+use crate::render::{Film, tile_sums, unit_side};
 use crate::scene::{FilmSize, Sampler};
 use rayon::prelude::*;
 
@@ -51,10 +51,7 @@ pub struct ImageError {
 impl Errors {
     /// No replicates yet, of images of `size` by `sampler`.
     pub fn new(size: FilmSize, sampler: Sampler) -> Self {
-        let side = match sampler {
-            Sampler::BlueNoise => BLUE_NOISE_TILE,
-            _ => 1,
-        };
+        let side = unit_side(sampler);
         let units = size.width.div_ceil(side) as usize * size.height.div_ceil(side) as usize;
         Self {
             size,
@@ -71,29 +68,15 @@ impl Errors {
 
     /// Adds a replicate.
     pub fn add(&mut self, film: &Film, reference: &Reference) {
-        let squared = squared_errors(film, reference);
+        let squared = tile_sums(squared_errors(film, reference), self.size, self.side);
         self.replicates += 1;
-        let add = |unit: &mut Unit, squared: Squared| {
+        let pairs = self.units.par_iter_mut().zip(squared);
+        pairs.for_each(|(unit, squared)| {
             for (k, d) in squared.into_iter().enumerate() {
                 unit.sum[k] += d;
                 unit.squares[k] += d * d;
             }
-        };
-        if self.side == 1 {
-            let pairs = self.units.par_iter_mut().zip(squared);
-            pairs.for_each(|(unit, squared)| add(unit, squared));
-            return;
-        }
-        let (width, side) = (self.size.width as usize, self.side as usize);
-        let per_row = width.div_ceil(side);
-        let mut tiles = vec![[0.0; 2]; self.units.len()];
-        for (i, squared) in squared.into_iter().enumerate() {
-            let tile = &mut tiles[i / width / side * per_row + i % width / side];
-            *tile = [tile[0] + squared[0], tile[1] + squared[1]];
-        }
-        for (unit, squared) in self.units.iter_mut().zip(tiles) {
-            add(unit, squared);
-        }
+        });
     }
 
     /// The error of the images so far, `reference`'s own subtracted. There have to be two replicates.

@@ -3,7 +3,9 @@
 use crate::effects::Effect;
 use crate::emitters::{Emitter, Emitters};
 use crate::render::Prepared;
-use crate::scene::{LightSelection, Sampler, ShadowPattern, Strategy};
+use crate::scene::{
+    LightSampling, LightSelection, RenderSettings, Sampler, ShadowPattern, Strategy,
+};
 use serde::Serialize;
 
 /// One way to estimate direct lighting.
@@ -11,6 +13,8 @@ use serde::Serialize;
 pub struct Estimator {
     /// How directions are chosen.
     pub strategy: Strategy,
+    /// How a point of a chosen light is chosen, where the strategy does not say.
+    pub light_sampling: LightSampling,
     /// How one of several lights is chosen.
     pub light_selection: LightSelection,
     /// Shadow rays per camera ray, with light selection `all` per light.
@@ -22,6 +26,18 @@ pub struct Estimator {
 }
 
 impl Estimator {
+    /// The one of `settings`.
+    pub fn of(settings: &RenderSettings) -> Self {
+        Self {
+            strategy: settings.strategy,
+            light_sampling: settings.light_sampling,
+            light_selection: settings.light_selection,
+            shadow_rays: settings.shadow_rays,
+            shadow_pattern: settings.shadow_pattern,
+            sampler: settings.sampler,
+        }
+    }
+
     /// The estimator that `prepared`, made ready for this one, comes to: what makes no difference there is set to its
     /// default.
     pub fn effective(self, prepared: &Prepared) -> Self {
@@ -32,6 +48,11 @@ impl Estimator {
                 self.light_selection
             } else {
                 LightSelection::default()
+            },
+            light_sampling: if self.strategy.is_mis() {
+                self.light_sampling
+            } else {
+                LightSampling::default()
             },
             shadow_rays: prepared.shadow_rays(),
             shadow_pattern: prepared.shadow_pattern(),
@@ -48,6 +69,10 @@ impl Estimator {
                 name.push_str(&what);
             }
         };
+        tell(
+            told.sampling && self.strategy.is_mis(),
+            self.light_sampling.to_string(),
+        );
         tell(told.selection, self.light_selection.to_string());
         let plural = if self.shadow_rays == 1 { "" } else { "s" };
         tell(told.rays, format!("{} ray{plural}", self.shadow_rays));
@@ -60,6 +85,7 @@ impl Estimator {
 impl std::fmt::Display for Estimator {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let told = Told {
+            sampling: self.light_sampling != LightSampling::Area,
             selection: true,
             rays: self.shadow_rays != 1,
             pattern: self.shadow_pattern != ShadowPattern::Random,
@@ -71,6 +97,7 @@ impl std::fmt::Display for Estimator {
 /// What a name tells besides strategy and sampler.
 #[derive(Debug, Clone, Copy, Default)]
 struct Told {
+    sampling: bool,
     selection: bool,
     rays: bool,
     pattern: bool,
@@ -84,6 +111,7 @@ pub fn names(estimators: &[Estimator]) -> Vec<String> {
         keys.any(|k| Some(k) != first)
     };
     let told = Told {
+        sampling: differ(&|e| e.light_sampling as u32),
         selection: differ(&|e| e.light_selection as u32),
         rays: differ(&|e| e.shadow_rays),
         pattern: differ(&|e| e.shadow_pattern as u32),
@@ -106,6 +134,8 @@ pub struct NotApplicable {
 pub struct Choices {
     /// How directions are chosen.
     pub strategies: Vec<Strategy>,
+    /// How a point of a chosen light is chosen, for strategies that do not say.
+    pub light_samplings: Vec<LightSampling>,
     /// How one of several lights is chosen.
     pub light_selections: Vec<LightSelection>,
     /// Shadow rays per camera ray.
@@ -116,24 +146,38 @@ pub struct Choices {
     pub samplers: Vec<Sampler>,
 }
 
-/// All combinations, each once.
-pub fn combinations(choices: &Choices) -> Vec<Estimator> {
-    let mut all = Vec::new();
-    for &strategy in &choices.strategies {
-        for &light_selection in &choices.light_selections {
-            for &shadow_rays in &choices.shadow_rays {
-                for &shadow_pattern in &choices.shadow_patterns {
-                    all.extend(choices.samplers.iter().map(|&sampler| Estimator {
-                        strategy,
-                        light_selection,
-                        shadow_rays,
-                        shadow_pattern,
-                        sampler,
-                    }));
-                }
-            }
+impl Choices {
+    /// What `settings` say, nothing else.
+    pub fn of(settings: &RenderSettings) -> Self {
+        Self {
+            strategies: vec![settings.strategy],
+            light_samplings: vec![settings.light_sampling],
+            light_selections: vec![settings.light_selection],
+            shadow_rays: vec![settings.shadow_rays],
+            shadow_patterns: vec![settings.shadow_pattern],
+            samplers: vec![settings.sampler],
         }
     }
+}
+
+/// All combinations, each once. Strategies that say themselves how a point of a light is chosen are combined with the
+/// default alone.
+pub fn combinations(choices: &Choices) -> Vec<Estimator> {
+    let mut all = vec![Estimator::of(&RenderSettings::default())];
+    vary(&mut all, &choices.strategies, |e, v| e.strategy = v);
+    vary(&mut all, &choices.light_samplings, |e, v| {
+        if e.strategy.is_mis() {
+            e.light_sampling = v;
+        }
+    });
+    vary(&mut all, &choices.light_selections, |e, v| {
+        e.light_selection = v;
+    });
+    vary(&mut all, &choices.shadow_rays, |e, v| e.shadow_rays = v);
+    vary(&mut all, &choices.shadow_patterns, |e, v| {
+        e.shadow_pattern = v;
+    });
+    vary(&mut all, &choices.samplers, |e, v| e.sampler = v);
     let mut seen = Vec::new();
     all.retain(|e| {
         let new = !seen.contains(e);
@@ -141,6 +185,20 @@ pub fn combinations(choices: &Choices) -> Vec<Estimator> {
         new
     });
     all
+}
+
+/// Every one of `all` with every one of `values`.
+fn vary<T: Copy>(all: &mut Vec<Estimator>, values: &[T], set: impl Fn(&mut Estimator, T)) {
+    let with = |estimator: &Estimator, value: T| {
+        let mut estimator = *estimator;
+        set(&mut estimator, value);
+        estimator
+    };
+    *all = all
+        .iter()
+        .flat_map(|e| values.iter().map(move |&v| (e, v)))
+        .map(|(e, v)| with(e, v))
+        .collect();
 }
 
 /// Why `strategy` is of no use under `emitters`; `None` where it is.
@@ -201,10 +259,8 @@ mod tests {
     fn all_combinations_are_there_once_and_are_named_by_what_differs() {
         let mut choices = Choices {
             strategies: vec![Strategy::Bsdf, Strategy::MisPower],
-            light_selections: vec![LightSelection::Power],
-            shadow_rays: vec![1],
-            shadow_patterns: vec![ShadowPattern::Random],
             samplers: vec![Sampler::Independent, Sampler::Sobol, Sampler::Independent],
+            ..Choices::of(&RenderSettings::default())
         };
         let expected = [
             "bsdf · independent",
@@ -213,8 +269,16 @@ mod tests {
             "mis-power · sobol",
         ];
         assert_eq!(names(&combinations(&choices)), expected);
-        choices.strategies.remove(0);
         choices.samplers.truncate(1);
+        choices.light_samplings = vec![LightSampling::Area, LightSampling::SolidAngle];
+        let expected = [
+            "bsdf · independent",
+            "mis-power · independent · area",
+            "mis-power · independent · solid-angle",
+        ];
+        assert_eq!(names(&combinations(&choices)), expected);
+        choices.strategies.remove(0);
+        choices.light_samplings.truncate(1);
         choices.shadow_rays = vec![1, 4];
         choices.shadow_patterns.push(ShadowPattern::Stratified);
         let expected = [

@@ -11,16 +11,6 @@ pub enum Halt {
     Failed(Error),
 }
 
-impl Halt {
-    /// What failed, where nothing asked to stop.
-    pub fn failure(self) -> Error {
-        match self {
-            Self::Failed(error) => error,
-            Self::Stopped => unreachable!("nothing asked to stop"),
-        }
-    }
-}
-
 impl From<Error> for Halt {
     fn from(error: Error) -> Self {
         Self::Failed(error)

@@ -45,6 +45,8 @@ pub struct Run {
     pub seconds: f64,
     /// Passes over the image.
     pub passes: u64,
+    /// Samples per pixel.
+    pub samples: u64,
 }
 
 /// An estimator that is compiled and ready.
@@ -91,37 +93,21 @@ impl<'a> Runner<'a> {
         })
     }
 
-    /// Renders until the image's error is below `goal`; the image and its samples per pixel. A black image ends as well.
+    /// Renders until the image's error is below `goal`, or the image counts as black, unless `stop` asks to end before.
     ///
     /// # Errors
-    /// The driver fails.
-    pub fn run_to(&mut self, seed: u32, goal: ErrorGoal) -> Result<(Run, u64), GpuError> {
-        let session = &mut self.session;
-        let patterns = Patterns::new(self.estimator.sampler, u64::MAX, self.shadow_rays);
-        session.restart(seed, patterns)?;
+    /// It was stopped, or the driver fails.
+    pub fn run_to(
+        &mut self,
+        seed: u32,
+        goal: ErrorGoal,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Run, Halt> {
         let mut watch = Watch::new(goal);
-        let start = Instant::now();
-        let mut passes = 0;
-        loop {
-            session.pass(
-                session.pass_samples(watch.next() - session.samples()),
-                || false,
-            )?;
-            passes += 1;
-            if watch.look(session)? != Look::NotYet {
-                break;
-            }
-        }
-        let seconds = start.elapsed().as_secs_f64();
-        let (film, rays) = session.snapshot()?;
-        let samples = session.samples();
-        let run = Run {
-            film,
-            rays,
-            seconds,
-            passes,
-        };
-        Ok((run, samples))
+        self.run_while(seed, u64::MAX, stop, |session| {
+            let look = watch.look(session)?;
+            Ok((look == Look::NotYet).then(|| watch.next()))
+        })
     }
 
     /// Renders `samples` samples of every pixel, unless `stop` asks to end before.
@@ -129,13 +115,26 @@ impl<'a> Runner<'a> {
     /// # Errors
     /// It was stopped, or the driver fails.
     pub fn run(&mut self, seed: u32, samples: u64, stop: &dyn Fn() -> bool) -> Result<Run, Halt> {
+        self.run_while(seed, samples, stop, |session| {
+            Ok((session.samples() < samples).then_some(samples))
+        })
+    }
+
+    /// Renders with patterns for `planned` samples per pixel as long as `due` tells how many there are to be.
+    fn run_while(
+        &mut self,
+        seed: u32,
+        planned: u64,
+        stop: &dyn Fn() -> bool,
+        mut due: impl FnMut(&Session<'_>) -> Result<Option<u64>, GpuError>,
+    ) -> Result<Run, Halt> {
         let session = &mut self.session;
-        let patterns = Patterns::new(self.estimator.sampler, samples, self.shadow_rays);
+        let patterns = Patterns::new(self.estimator.sampler, planned, self.shadow_rays);
         session.restart(seed, patterns)?;
         let start = Instant::now();
         let mut passes = 0;
-        while session.samples() < samples {
-            let pass = session.pass_samples(samples - session.samples());
+        while let Some(until) = due(session)? {
+            let pass = session.pass_samples(until - session.samples());
             if session.pass(pass, stop)? == StopReason::Interrupted {
                 return Err(Halt::Stopped);
             }
@@ -143,6 +142,7 @@ impl<'a> Runner<'a> {
         }
         let seconds = start.elapsed().as_secs_f64();
         let (film, rays) = session.snapshot()?;
+        let samples = session.samples();
         self.dropped += film.ledger.dropped;
         self.seconds_per_count = seconds / samples as f64;
         Ok(Run {
@@ -150,6 +150,7 @@ impl<'a> Runner<'a> {
             rays,
             seconds,
             passes,
+            samples,
         })
     }
 }
@@ -172,6 +173,7 @@ pub struct Replicates {
 pub fn prepare(scene: &Scene, estimator: Estimator) -> Result<Prepared, InputError> {
     let mut scene = scene.clone();
     scene.render.strategy = estimator.strategy;
+    scene.render.light_sampling = estimator.light_sampling;
     scene.render.light_selection = estimator.light_selection;
     scene.render.shadow_rays = estimator.shadow_rays;
     scene.render.shadow_pattern = estimator.shadow_pattern;

@@ -23,8 +23,6 @@ use rayon::prelude::*;
 const VARIANCE_RADIUS: usize = 3;
 /// Pixels on each side of one that tell what it is without its noise.
 const MEAN_RADIUS: usize = 2;
-/// Pixels along the side of a tile that counts as independent of others under blue noise.
-pub const BLUE_NOISE_TILE: u32 = 16;
 /// Confidence of the interval that is reported unless another is asked for.
 pub const CONFIDENCE: f64 = 0.95;
 
@@ -152,11 +150,7 @@ impl Film {
         if self.sampler.is_independent() {
             return self.independent_standard_error_of_mean();
         }
-        let side = match self.sampler {
-            Sampler::BlueNoise => BLUE_NOISE_TILE,
-            _ => 1,
-        };
-        let sums = tile_sums(&self.half_differences()?, self.size, side);
+        let sums = tile_sums(self.half_differences()?, self.size, unit_side(self.sampler));
         let squares = sums.into_iter().map(|s| s.map(|s| s * s));
         let sum = squares.fold([0.0; 3], add);
         Some(sum.map(|s| s.sqrt() / self.pixels.len() as f64))
@@ -175,14 +169,32 @@ fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// Sums over tiles of `side` × `side` pixels.
-fn tile_sums(values: &[[f64; 3]], size: FilmSize, side: u32) -> Vec<[f64; 3]> {
+/// Pixels along the side of the squares whose errors count as independent of each other: single pixels, but under blue
+/// noise, where neighbours share a sequence, tiles.
+pub fn unit_side(sampler: Sampler) -> u32 {
+    match sampler {
+        Sampler::BlueNoise => 16,
+        _ => 1,
+    }
+}
+
+/// Sums over tiles of `side` × `side` pixels, row by row.
+pub fn tile_sums<const N: usize>(
+    values: Vec<[f64; N]>,
+    size: FilmSize,
+    side: u32,
+) -> Vec<[f64; N]> {
+    if side == 1 {
+        return values;
+    }
     let (width, side) = (size.width as usize, side as usize);
     let per_row = width.div_ceil(side);
-    let mut sums = vec![[0.0; 3]; per_row * (size.height as usize).div_ceil(side)];
-    for (i, value) in values.iter().enumerate() {
+    let mut sums = vec![[0.0; N]; per_row * (size.height as usize).div_ceil(side)];
+    for (i, value) in values.into_iter().enumerate() {
         let sum = &mut sums[i / width / side * per_row + i % width / side];
-        *sum = add(*sum, *value);
+        for (sum, value) in sum.iter_mut().zip(value) {
+            *sum += value;
+        }
     }
     sums
 }

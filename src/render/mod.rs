@@ -9,7 +9,7 @@ pub mod prepare;
 pub mod session;
 
 pub use check::Check;
-pub use error::{BLUE_NOISE_TILE, CONFIDENCE, ImageError};
+pub use error::{CONFIDENCE, ImageError, tile_sums, unit_side};
 pub use film::{Film, FirstBad, Ledger};
 pub use goal::ErrorGoal;
 pub use prepare::{Patterns, Prepared};

@@ -4,7 +4,7 @@ use crate::cost::{EstimatorCost, Point, SceneCost};
 use std::path::Path;
 
 /// The columns: first those that tables of other renderers have, then further ones.
-pub const HEADER: &str = "scene,sampler,strategy,spp,seconds,relmse,efficiency,light_selection,shadow_rays,shadow_pattern,width,height,replicates,\
+pub const HEADER: &str = "scene,sampler,strategy,spp,seconds,relmse,efficiency,light_sampling,light_selection,shadow_rays,shadow_pattern,width,height,replicates,\
                           seconds_low,seconds_high,relmse_low,relmse_high,efficiency_low,efficiency_high,mse,mse_low,mse_high";
 
 /// One line per scene, estimator and number of samples.
@@ -38,7 +38,7 @@ fn line(cost: &SceneCost, estimator: &EstimatorCost, p: &Point) -> String {
     ];
     let numbers: Vec<_> = numbers.iter().map(|x| format!("{x:e}")).collect();
     format!(
-        "{},{},{},{},{:.6},{:e},{:e},{},{},{},{},{},{},{}",
+        "{},{},{},{},{:.6},{:e},{:e},{},{},{},{},{},{},{},{}",
         quoted(&name),
         e.sampler,
         e.strategy,
@@ -46,6 +46,7 @@ fn line(cost: &SceneCost, estimator: &EstimatorCost, p: &Point) -> String {
         p.seconds.value,
         p.rel_mse.value,
         p.efficiency.value,
+        e.light_sampling,
         e.light_selection,
         e.shadow_rays,
         e.shadow_pattern,

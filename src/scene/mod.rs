@@ -5,6 +5,7 @@
 
 pub mod alias_table;
 pub mod camera;
+mod choice;
 pub mod expect;
 pub mod ids;
 pub mod light;

@@ -1,43 +1,32 @@
 //! The `[render]` table: every setting also has a flag.
 
+use super::choice::choice;
 use super::shadow_rays::ShadowPattern;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// How directions are chosen (DESIGN: *strategy*). All estimate the same integral.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Hash,
-    Default,
-    Serialize,
-    Deserialize,
-    JsonSchema,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum Strategy {
-    /// Uniformly over the hemisphere. With this and the next two, lights without a surface are sampled directly, as
-    /// nothing else reaches them.
-    UniformHemisphere,
-    /// In proportion to the cosine.
-    CosineHemisphere,
-    /// In proportion to the BSDF.
-    Bsdf,
-    /// Uniformly on the surface of a chosen light.
-    LightArea,
-    /// Uniformly over the solid angle in which a chosen light is seen.
-    LightSolidAngle,
-    /// Uniformly over that solid angle projected onto the surface; for spheres and disks as `light-solid-angle`.
-    LightProjectedSolidAngle,
-    /// By lights and by the BSDF, weighted by the balance heuristic (Veach 1997, eq. 9.11).
-    MisBalance,
-    /// By lights and by the BSDF, weighted by the power heuristic (Veach 1997, eq. 9.26, β = 2).
-    #[default]
-    MisPower,
+choice! {
+    /// How directions are chosen (DESIGN: *strategy*). All estimate the same integral.
+    pub enum Strategy {
+        /// Uniformly over the hemisphere. With this and the next two, lights without a surface are sampled directly, as
+        /// nothing else reaches them.
+        UniformHemisphere,
+        /// In proportion to the cosine.
+        CosineHemisphere,
+        /// In proportion to the BSDF.
+        Bsdf,
+        /// Uniformly on the surface of a chosen light.
+        LightArea,
+        /// Uniformly over the solid angle in which a chosen light is seen.
+        LightSolidAngle,
+        /// Uniformly over that solid angle projected onto the surface; for spheres and disks as `light-solid-angle`.
+        LightProjectedSolidAngle,
+        /// By lights and by the BSDF, weighted by the balance heuristic (Veach 1997, eq. 9.11).
+        MisBalance,
+        /// By lights and by the BSDF, weighted by the power heuristic (Veach 1997, eq. 9.26, β = 2).
+        #[default]
+        MisPower,
+    }
 }
 
 impl Strategy {
@@ -71,82 +60,46 @@ impl Strategy {
     }
 }
 
-/// How a point of a light with a surface is chosen by the strategies `mis-balance` and `mis-power`.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Hash,
-    Default,
-    Serialize,
-    Deserialize,
-    JsonSchema,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum LightSampling {
-    /// Uniformly over its area.
-    #[default]
-    Area,
-    /// Uniformly over the solid angle in which it is seen.
-    SolidAngle,
-    /// Uniformly over that solid angle projected onto the surface; spheres and disks over their solid angle.
-    ProjectedSolidAngle,
+choice! {
+    /// How a point of a light with a surface is chosen by the strategies `mis-balance` and `mis-power`.
+    pub enum LightSampling {
+        /// Uniformly over its area.
+        #[default]
+        Area,
+        /// Uniformly over the solid angle in which it is seen.
+        SolidAngle,
+        /// Uniformly over that solid angle projected onto the surface; spheres and disks over their solid angle.
+        ProjectedSolidAngle,
+    }
 }
 
-/// How one of several lights is chosen.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Hash,
-    Default,
-    Serialize,
-    Deserialize,
-    JsonSchema,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum LightSelection {
-    /// All with the same probability.
-    Uniform,
-    /// In proportion to emitted power.
-    #[default]
-    Power,
-    /// None is chosen: every light gets shadow rays of its own.
-    All,
+choice! {
+    /// How one of several lights is chosen.
+    pub enum LightSelection {
+        /// All with the same probability.
+        Uniform,
+        /// In proportion to emitted power.
+        #[default]
+        Power,
+        /// None is chosen: every light gets shadow rays of its own.
+        All,
+    }
 }
 
-/// How random numbers are made.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Hash,
-    Default,
-    Serialize,
-    Deserialize,
-    JsonSchema,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum Sampler {
-    /// Each number by itself.
-    #[default]
-    Independent,
-    /// Pairs of dimensions on a jittered grid for every pixel.
-    Stratified,
-    /// Pairs of dimensions by Sobol's sequence with Owen's scrambling, one for every pixel (Burley 2020).
-    Sobol,
-    /// As `sobol`, with one sequence for all pixels along a Z-shaped curve, so that the errors of neighbouring pixels
-    /// differ (Ahmed & Wonka 2020).
-    BlueNoise,
+choice! {
+    /// How random numbers are made.
+    pub enum Sampler {
+        /// Each number by itself.
+        #[default]
+        Independent,
+        /// Pairs of dimensions on a jittered grid for every pixel.
+        Stratified,
+        /// Pairs of dimensions by Sobol's sequence with Owen's scrambling, one for every pixel (Burley 2020).
+        Sobol,
+        /// As `sobol`, with one sequence for all pixels along a Z-shaped curve, so that the errors of neighbouring pixels
+        /// differ (Ahmed & Wonka 2020).
+        BlueNoise,
+    }
 }
 
 impl Sampler {
@@ -232,52 +185,6 @@ impl Default for RenderSettings {
             confidence: 0.95,
             seed: 0,
         }
-    }
-}
-
-impl std::fmt::Display for Strategy {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::UniformHemisphere => "uniform-hemisphere",
-            Self::CosineHemisphere => "cosine-hemisphere",
-            Self::Bsdf => "bsdf",
-            Self::LightArea => "light-area",
-            Self::LightSolidAngle => "light-solid-angle",
-            Self::LightProjectedSolidAngle => "light-projected-solid-angle",
-            Self::MisBalance => "mis-balance",
-            Self::MisPower => "mis-power",
-        })
-    }
-}
-
-impl std::fmt::Display for LightSelection {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Uniform => "uniform",
-            Self::Power => "power",
-            Self::All => "all",
-        })
-    }
-}
-
-impl std::fmt::Display for LightSampling {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Area => "area",
-            Self::SolidAngle => "solid-angle",
-            Self::ProjectedSolidAngle => "projected-solid-angle",
-        })
-    }
-}
-
-impl std::fmt::Display for Sampler {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Independent => "independent",
-            Self::Stratified => "stratified",
-            Self::Sobol => "sobol",
-            Self::BlueNoise => "blue-noise",
-        })
     }
 }
 

@@ -1,7 +1,6 @@
 //! Several shadow rays per camera ray: how many, and where on the lights they end.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use super::choice::choice;
 
 /// Most shadow rays per camera ray, and with light selection `all` per light.
 pub const MAX_SHADOW_RAYS: u32 = 1024;
@@ -10,41 +9,18 @@ pub const MAX_SHADOW_RAYS: u32 = 1024;
 /// fit half a word of a sample's record.
 pub const MAX_LIGHT_SAMPLES: u64 = 0xffff;
 
-/// Where on the lights the points of a camera ray's shadow rays lie.
-#[derive(
-    Debug,
-    Clone,
-    Copy,
-    PartialEq,
-    Eq,
-    Hash,
-    Default,
-    Serialize,
-    Deserialize,
-    JsonSchema,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum ShadowPattern {
-    /// Where the sampler's next numbers say.
-    #[default]
-    Random,
-    /// In the middle; biased, for study.
-    Center,
-    /// In the middles of a grid's cells, one ray in each; biased, for study.
-    Grid,
-    /// Jittered in the cells of that grid; several lights get their shares of the rays, too.
-    Stratified,
-}
-
-impl std::fmt::Display for ShadowPattern {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Random => "random",
-            Self::Center => "center",
-            Self::Grid => "grid",
-            Self::Stratified => "stratified",
-        })
+choice! {
+    /// Where on the lights the points of a camera ray's shadow rays lie.
+    pub enum ShadowPattern {
+        /// Where the sampler's next numbers say.
+        #[default]
+        Random,
+        /// In the middle; biased, for study.
+        Center,
+        /// In the middles of a grid's cells, one ray in each; biased, for study.
+        Grid,
+        /// Jittered in the cells of that grid; several lights get their shares of the rays, too.
+        Stratified,
     }
 }
 

@@ -1,10 +1,11 @@
 //! Images know their own error: with every sampler, on the GPU.
 
 use crate::support::{context, scene};
-use direkt::cost::calibrate::{Calibration, Settings, calibrate};
+use direkt::cost::calibrate::{Settings, calibrate};
 use direkt::cost::estimator::{Choices, combinations};
 use direkt::render::{Prepared, Session};
-use direkt::scene::{FilmSize, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
+use direkt::scene::{FilmSize, LightSelection, RenderSettings, Sampler, Scene, Strategy};
+use std::cell::Cell;
 
 const IMAGES: u32 = 60;
 
@@ -17,33 +18,55 @@ fn cornell() -> Scene {
     cornell
 }
 
-fn calibrated(scene: &Scene) -> Vec<Calibration> {
+fn settings() -> Settings {
     let samplers = [
         Sampler::Independent,
         Sampler::Stratified,
         Sampler::Sobol,
         Sampler::BlueNoise,
     ];
-    let settings = Settings {
+    Settings {
         estimators: combinations(&Choices {
             strategies: vec![Strategy::MisPower],
-            light_selections: vec![LightSelection::Power],
-            shadow_rays: vec![1],
-            shadow_patterns: vec![ShadowPattern::Random],
             samplers: samplers.to_vec(),
+            ..Choices::of(&RenderSettings::default())
         }),
         images: IMAGES,
         samples: 32,
         seed: 40,
+    }
+}
+
+/// Ctrl-C: what was finished is kept.
+#[test]
+fn a_calibration_that_is_stopped_has_the_estimators_before() {
+    let mut scene = cornell();
+    scene.film = FilmSize {
+        width: 24,
+        height: 16,
     };
-    calibrate(&context(), scene, &settings, &mut |_, _| {}).unwrap()
+    let settings = Settings {
+        images: 10,
+        ..settings()
+    };
+    let stop = Cell::new(false);
+    let second = settings.estimators[1].to_string();
+    let mut progress = |what: &str, part: f64| stop.set(what.starts_with(&second) && part > 0.2);
+    let stop = || stop.get();
+    let found = calibrate(&context(), &scene, &settings, &mut progress, &stop).unwrap();
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].estimator, settings.estimators[0]);
 }
 
 /// Reported errors are within 10 % of actual ones, intervals hold what they say, and images that stop by themselves are as
 /// right as they were told to be. The bounds leave four standard errors of so few images.
 #[test]
 fn reported_errors_are_the_actual_ones() {
-    for c in calibrated(&cornell()) {
+    for c in calibrate(&context(), &cornell(), &settings(), &mut |_, _| {}, &|| {
+        false
+    })
+    .unwrap()
+    {
         let off = |value: f64, due: f64| (value - due).abs();
         assert!(
             off(c.ratio.value, 1.0) < 0.1 + 4.0 * c.ratio.standard_error,

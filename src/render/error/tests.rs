@@ -154,7 +154,7 @@ fn tiles_add_up() {
         width: 5,
         height: 3,
     };
-    let sums = tile_sums(&values, size, 2);
+    let sums = tile_sums(values, size, 2);
     // 0, 1, 5, 6; 2, 3, 7, 8; 4, 9; 10, 11; 12, 13; 14.
     let expected = [12.0, 20.0, 13.0, 21.0, 25.0, 14.0];
     assert_eq!(sums.len(), 6);
