@@ -12,6 +12,7 @@ mod cli;
 mod compare;
 mod cost;
 mod doctor;
+mod hard_cases;
 mod lab;
 mod layout;
 mod permutations;

@@ -10,7 +10,7 @@ pub mod session;
 
 pub use check::Check;
 pub use error::{CONFIDENCE, ImageError, tile_sums, unit_side};
-pub use film::{Film, FirstBad, Ledger};
+pub use film::{Film, FirstBad, Ledger, Pixel};
 pub use goal::ErrorGoal;
 pub use prepare::{Patterns, Prepared};
 pub use session::{RayCounts, Session, StopReason};

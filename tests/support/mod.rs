@@ -1,6 +1,7 @@
 //! What several tests share.
 
 pub mod every_kind;
+pub mod hard_cases;
 pub mod histogram;
 pub mod random;
 pub mod rounding;
@@ -34,6 +35,15 @@ pub const STRATEGIES: [Strategy; 8] = [
 /// One of each kind, where all would take long.
 pub const KINDS_OF_STRATEGIES: [Strategy; 3] =
     [Strategy::LightArea, Strategy::Bsdf, Strategy::MisPower];
+
+/// Runs `last`, which must not unwind, when the process ends: the test harness offers nothing of the kind.
+pub fn at_exit(last: extern "C" fn()) {
+    unsafe extern "C" {
+        fn atexit(function: extern "C" fn()) -> i32;
+    }
+    // SAFETY: `last` is an `extern "C"` function without arguments, as the C library's atexit asks.
+    unsafe { atexit(last) };
+}
 
 /// The adapter under test. No adapter is a failure.
 pub fn context() -> Context {

@@ -87,18 +87,10 @@ pub fn correlation_p_value(a: &[f64], b: &[f64]) -> f64 {
 
 fn entry() -> std::sync::MutexGuard<'static, Ledger> {
     static AT_EXIT: Once = Once::new();
-    AT_EXIT.call_once(|| {
-        // SAFETY: `summary` is an `extern "C"` function without arguments, as atexit asks, and does not unwind.
-        unsafe { atexit(summary) };
-    });
+    AT_EXIT.call_once(|| super::at_exit(summary));
     LEDGER
         .lock()
         .unwrap_or_else(std::sync::PoisonError::into_inner)
-}
-
-unsafe extern "C" {
-    /// The C library's: runs a function when the process ends. The test harness offers nothing of the kind.
-    fn atexit(function: extern "C" fn()) -> i32;
 }
 
 extern "C" fn summary() {
