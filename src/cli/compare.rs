@@ -11,7 +11,7 @@ use crate::gpu::{AdapterFacts, Context};
 use crate::image::signed;
 use crate::reference::BrokenTwin;
 use crate::render::Prepared;
-use crate::scene::{FilmSize, LightSelection, ShadowPattern, Strategy};
+use crate::scene::{FilmSize, LightSelection, Sampler, ShadowPattern, Strategy};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -62,6 +62,7 @@ struct Report {
     light_selection: LightSelection,
     shadow_rays: u32,
     shadow_pattern: ShadowPattern,
+    sampler: Sampler,
     biased: Option<String>,
     broken: Option<&'static str>,
     agrees: bool,
@@ -100,6 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         light_selection: render.light_selection,
         shadow_rays: render.shadow_rays,
         shadow_pattern: render.shadow_pattern,
+        sampler: render.sampler,
         biased: prepared.bias(),
         broken: settings.broken.map(|b| b.row().name),
         agrees: comparison.agrees(),
@@ -125,6 +127,7 @@ fn prepare(arguments: &Arguments) -> Result<(Prepared, Settings), Error> {
         check_image_path(image, path)?;
     }
     let mut scene = arguments.scene.load()?;
+    scene.render.sampler = Sampler::Independent;
     arguments.estimator.apply(&mut scene)?;
     warn(&scene);
     let size = arguments.estimator.image.size;

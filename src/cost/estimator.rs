@@ -85,7 +85,7 @@ impl Estimator {
 impl std::fmt::Display for Estimator {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let told = Told {
-            sampling: self.light_sampling != LightSampling::Area,
+            sampling: self.light_sampling != LightSampling::default(),
             selection: true,
             rays: self.shadow_rays != 1,
             pattern: self.shadow_pattern != ShadowPattern::Random,

@@ -138,7 +138,7 @@ fn values(film: &Film, expected: &ExpectedRadiance) -> Vec<Failure> {
     let unknown = [f64::INFINITY; 3];
     match expected {
         ExpectedRadiance::Mean(mean) => {
-            let error = film.independent_standard_error_of_mean().unwrap_or(unknown);
+            let error = film.cautious_standard_error_of_mean().unwrap_or(unknown);
             value(None, film.mean(), error, *mean).collect()
         }
         ExpectedRadiance::Pixels(pixels) => {

@@ -156,6 +156,17 @@ impl Film {
         Some(sum.map(|s| s.sqrt() / self.pixels.len() as f64))
     }
 
+    /// A standard error of [`mean`](Self::mean) to judge it by: where the replicates of too few parts of the image would
+    /// have to tell it, what the scatter of the samples says, which is larger.
+    pub fn cautious_standard_error_of_mean(&self) -> Option<[f64; 3]> {
+        let parts = self.pixels.len() / unit_side(self.sampler).pow(2) as usize;
+        if parts < FEWEST_PARTS {
+            self.independent_standard_error_of_mean()
+        } else {
+            self.standard_error_of_mean()
+        }
+    }
+
     /// Standard error of [`mean`](Self::mean) if each sample had been drawn by itself: too large with samplers that
     /// stratify. `None` while a pixel has fewer than two samples.
     pub fn independent_standard_error_of_mean(&self) -> Option<[f64; 3]> {
@@ -168,6 +179,9 @@ impl Film {
 fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
+
+/// Parts of an image, independent of each other, whose replicates tell its mean's error well enough to judge the mean by.
+const FEWEST_PARTS: usize = 32;
 
 /// Pixels along the side of the squares whose errors count as independent of each other: single pixels, but under blue
 /// noise, where neighbours share a sequence, tiles.

@@ -46,7 +46,11 @@ fn line(cost: &SceneCost, estimator: &EstimatorCost, p: &Point) -> String {
         p.seconds.value,
         p.rel_mse.value,
         p.efficiency.value,
-        e.light_sampling,
+        if e.strategy.is_mis() {
+            e.light_sampling.to_string()
+        } else {
+            String::new()
+        },
         e.light_selection,
         e.shadow_rays,
         e.shadow_pattern,

@@ -64,9 +64,9 @@ choice! {
     /// How a point of a light with a surface is chosen by the strategies `mis-balance` and `mis-power`.
     pub enum LightSampling {
         /// Uniformly over its area.
-        #[default]
         Area,
         /// Uniformly over the solid angle in which it is seen.
+        #[default]
         SolidAngle,
         /// Uniformly over that solid angle projected onto the surface; spheres and disks over their solid angle.
         ProjectedSolidAngle,
@@ -90,11 +90,11 @@ choice! {
     /// How random numbers are made.
     pub enum Sampler {
         /// Each number by itself.
-        #[default]
         Independent,
         /// Pairs of dimensions on a jittered grid for every pixel.
         Stratified,
         /// Pairs of dimensions by Sobol's sequence with Owen's scrambling, one for every pixel (Burley 2020).
+        #[default]
         Sobol,
         /// As `sobol`, with one sequence for all pixels along a Z-shaped curve, so that the errors of neighbouring pixels
         /// differ (Ahmed & Wonka 2020).

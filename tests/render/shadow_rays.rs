@@ -49,8 +49,8 @@ const WAYS: [(u32, ShadowPattern, LightSelection); 4] = [
     (4, ShadowPattern::Stratified, LightSelection::Power),
 ];
 
-/// Every unbiased way finds the scenes' exact values, and does not find values that are 2 % off, where the image's own
-/// error is below 0.3 %.
+/// Every unbiased way finds the scenes' exact values, and does not find values that are 2 % off, where that is nine of the
+/// image's standard errors.
 #[test]
 fn exact_values_are_found_with_several_rays_and_every_light() {
     let context = context();
@@ -76,7 +76,7 @@ fn exact_values_are_found_with_several_rays_and_every_light() {
                 let check = Check::new(&film, &expect).unwrap();
                 assert!(check.passed, "{what}: {check:?}");
                 let error = film.standard_error_of_mean().unwrap()[0] / film.mean()[0];
-                if error < 3e-3 {
+                if error < 0.02 / 9.0 {
                     sharp += 1;
                     brighten(&mut expect.radiance);
                     let check = Check::new(&film, &expect).unwrap();

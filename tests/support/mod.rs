@@ -13,8 +13,8 @@ use direkt::gpu::Context;
 use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
-    Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings, Scene,
-    Shape, Strategy,
+    Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings,
+    Sampler, Scene, Shape, Strategy,
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
@@ -58,8 +58,16 @@ pub fn project(path: &str) -> PathBuf {
 }
 
 /// Loads a scene of the project.
-pub fn scene(path: &str) -> Scene {
+pub fn scene_as_it_is(path: &str) -> Scene {
     load(&project(path), &LoadOptions::default()).unwrap()
+}
+
+/// Loads a scene of the project, with the independent samples that most tests of chance rest on; tests of other samplers
+/// say so.
+pub fn scene(path: &str) -> Scene {
+    let mut scene = scene_as_it_is(path);
+    scene.render.sampler = Sampler::Independent;
+    scene
 }
 
 /// A file or folder of `../shared`, beside the checkout. Where it is missing this says so, past the test harness, which
@@ -177,6 +185,7 @@ pub fn floor_pixel() -> Scene {
         environment: None,
         render: RenderSettings {
             spp: 16,
+            sampler: Sampler::Independent,
             ..RenderSettings::default()
         },
         expect: None,
