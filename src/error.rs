@@ -139,7 +139,25 @@ pub enum GpuError {
         /// What the linker or compiler said.
         message: String,
     },
-    /// The driver reported an error, ran out of memory or lost the device.
+    /// The device was lost: its driver crashed or was replaced, its watchdog bit, or it was unplugged.
+    #[error("{adapter}: the device was lost: {message}")]
+    Lost {
+        /// The adapter's name.
+        adapter: String,
+        /// What the driver said.
+        message: String,
+    },
+    /// The adapter ran out of memory.
+    #[error(
+        "{adapter}: out of memory: {message}; a smaller image or scene, or an adapter with more memory, is needed"
+    )]
+    OutOfMemory {
+        /// The adapter's name.
+        adapter: String,
+        /// What the driver said.
+        message: String,
+    },
+    /// The driver reported an error.
     #[error("{adapter}: {message}")]
     Driver {
         /// The adapter's name.

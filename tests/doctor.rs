@@ -1,7 +1,12 @@
 //! What the driver does to a shader.
 
 use crate::support::context;
-use direkt::gpu::doctor::{examine, loop_budget};
+use crate::support::hard_cases::{Measured, survive, survive_by_driver};
+use direkt::gpu::doctor::arithmetic::arithmetic;
+use direkt::gpu::doctor::examine;
+use direkt::gpu::doctor::loops::loop_budget;
+use direkt::gpu::doctor::precision::sweep;
+use direkt::gpu::shader::{Config, link};
 
 #[test]
 fn every_canary_counts_and_only_known_drivers_cut_loops() {
@@ -21,6 +26,96 @@ fn every_canary_counts_and_only_known_drivers_cut_loops() {
         !old_lavapipe,
         "{:?}: {budget:?}",
         context.adapter
+    );
+}
+
+/// HARD CASES P1.
+#[test]
+fn bits_tell_what_comparisons_do_not() {
+    let context = context();
+    let found = arithmetic(&context).unwrap();
+    survive(
+        &context,
+        Measured {
+            entry: "P1",
+            case: "16 numbers, among them NaNs of either sign, quiet and signalling",
+            figure: "misread as a number of another kind",
+            bound: 0.0,
+            textbook: "x < −3.4e38 || x > 3.4e38",
+            naive: f64::from(found.passed_by_range),
+            ours: f64::from(found.misclassified),
+        },
+    );
+}
+
+/// HARD CASES P3.
+#[test]
+fn elementary_functions_are_as_accurate_as_promised() {
+    let context = context();
+    let found = sweep(&context).unwrap();
+    for p in &found {
+        assert!(
+            p.is_within() || !p.needed,
+            "{}: {p:?}",
+            context.adapter.driver
+        );
+    }
+    let error = |name: &str| {
+        let function = found.iter().find(|p| p.function == name);
+        function.unwrap().absolute
+    };
+    for (ours, theirs, bound) in [
+        ("direkt's sin(2πu)", "sin", 4.0 / 16_777_216.0),
+        ("direkt's angle_of", "acos", 7e-7),
+    ] {
+        survive_by_driver(
+            &context,
+            Measured {
+                entry: "P3",
+                case: &format!("{ours} at 2¹⁶ arguments"),
+                figure: "largest absolute error",
+                bound,
+                textbook: &format!("the driver's {theirs}"),
+                naive: error(theirs),
+                ours: error(ours),
+            },
+        );
+    }
+}
+
+/// HARD CASES L4: a shader that asks for subgroups does not compile everywhere; direkt's ask for none.
+#[test]
+fn no_shader_needs_subgroups() {
+    let context = context();
+    let config = Config { stack_depth: 4 };
+    let wgsl = link("kernel::loop_canary", [], config).unwrap();
+    let asking = format!("enable subgroups;\n{wgsl}");
+    let compiles = context.checked(|| {
+        context
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: None,
+                source: wgpu::ShaderSource::Wgsl(asking.into()),
+            })
+    });
+    let shaders = include_dir::include_dir!("$CARGO_MANIFEST_DIR/shaders");
+    let asks = |file: &include_dir::File<'_>| {
+        let text = file.contents_utf8().unwrap();
+        text.contains("subgroup")
+    };
+    let of_folder = |d: &include_dir::Dir<'_>| d.files().filter(|f| asks(f)).count();
+    let ours: usize = shaders.dirs().map(of_folder).sum();
+    survive_by_driver(
+        &context,
+        Measured {
+            entry: "L4",
+            case: "a device without the feature for subgroups",
+            figure: "shaders that do not compile",
+            bound: 0.0,
+            textbook: "enable subgroups",
+            naive: f64::from(u8::from(compiles.is_err())),
+            ours: ours as f64,
+        },
     );
 }
 

@@ -2,7 +2,7 @@
 
 use super::{AdapterArgument, JsonArgument, print};
 use crate::error::{Error, GpuError};
-use crate::gpu::doctor::{Diagnosis, examine};
+use crate::gpu::doctor::{Diagnosis, DriverFacts, examine};
 use std::fmt::Write;
 use std::process::ExitCode;
 
@@ -73,20 +73,68 @@ fn text(d: &Diagnosis) -> String {
         "  subgroup size             {}–{}",
         d.limits.subgroup_min_size, d.limits.subgroup_max_size
     );
-    match &d.loop_budget {
-        Ok(budget) => {
-            for canary in &budget.canaries {
-                let _ = writeln!(
-                    out,
-                    "  loop of {:17} {} of {} iterations ran",
-                    canary.shape, canary.ran, canary.expected
-                );
-            }
-        }
+    let _ = writeln!(
+        out,
+        "  subgroup operations       {}; direkt uses none",
+        offered(d.limits.subgroup_operations)
+    );
+    match &d.driver {
+        Ok(facts) => driver(&mut out, facts),
         Err(message) => {
-            let _ = writeln!(out, "  loop canary               {message}");
+            let _ = writeln!(out, "  driver                    {message}");
         }
     }
     let _ = writeln!(out, "  verdict                   {}", d.verdict());
     out
+}
+
+fn offered(yes: bool) -> &'static str {
+    if yes { "offered" } else { "not offered" }
+}
+
+fn driver(out: &mut String, facts: &DriverFacts) {
+    for canary in &facts.loop_budget.canaries {
+        let _ = writeln!(
+            out,
+            "  loop of {:17} {} of {} iterations ran",
+            canary.shape, canary.ran, canary.expected
+        );
+    }
+    let a = &facts.arithmetic;
+    let mut line = |what: &str, found: String| {
+        let _ = writeln!(out, "  {what:25} {found}");
+    };
+    line(
+        "NaN and infinity",
+        format!(
+            "{} misread by bits, {} by comparison, {} let through by a range test",
+            a.misclassified, a.misclassified_by_comparison, a.passed_by_range
+        ),
+    );
+    let choose = |yes: bool, a: &str, b: &str| if yes { a } else { b }.to_owned();
+    line(
+        "subnormal numbers",
+        choose(a.keeps_subnormals, "kept", "flushed to zero"),
+    );
+    line(
+        "a·b − c",
+        choose(a.contracts, "fused unasked", "rounded twice"),
+    );
+    line("fma", choose(a.fuses_fma, "rounded once", "rounded twice"));
+    line(
+        "compensated sums",
+        choose(a.keeps_compensation, "work", "lose their error term"),
+    );
+    for p in &facts.precision {
+        line(
+            p.function,
+            format!(
+                "off by {} of {} that are allowed, on {}{}",
+                p.worst(),
+                p.bound(),
+                p.domain,
+                if p.needed { "" } else { " (not used)" }
+            ),
+        );
+    }
 }

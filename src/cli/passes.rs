@@ -35,53 +35,72 @@ pub struct Progressed {
     pub stopped_by: StoppedBy,
 }
 
-/// Takes passes until the samples, the time or the user's patience run out, or the image is right enough.
-pub fn take_passes(
-    session: &mut Session<'_>,
-    scene: &Scene,
-    quiet: bool,
-) -> Result<Progressed, Error> {
-    let settings = scene.render;
-    let interrupt = Interrupt::listen();
-    let time = settings.time.map(Duration::from_secs_f64);
-    let mut progress = Progress::new(settings.spp, time, quiet);
-    let start = Instant::now();
-    let goal = settings.error.map(|relative| ErrorGoal {
-        relative,
-        confidence: settings.confidence,
-    });
-    let mut watch = goal.map(Watch::new);
-    let mut passes = 0;
-    let mut stopped_by = StoppedBy::Samples;
-    while session.samples() < settings.spp {
-        let until = watch.map_or(settings.spp, |w| settings.spp.min(w.next()));
-        let samples = session.pass_samples(until - session.samples());
-        // The first pass is finished whatever the time, so that there is an image.
-        let first = session.samples() == 0;
-        let out_of_time = || !first && time.is_some_and(|t| start.elapsed() >= t);
-        let stop = || interrupt.came() || out_of_time();
-        if session.pass(samples, stop)? == StopReason::Interrupted {
-            stopped_by = if interrupt.came() {
-                StoppedBy::Interrupt
-            } else {
-                StoppedBy::Time
+/// The passes of one render, on one device or on several that follow each other.
+pub struct Passes<'a> {
+    scene: &'a Scene,
+    interrupt: Interrupt,
+    time: Option<Duration>,
+    progress: Progress,
+    start: Instant,
+    watch: Option<Watch>,
+    passes: u64,
+}
+
+impl<'a> Passes<'a> {
+    /// Those of `scene`, from now on.
+    pub fn new(scene: &'a Scene, quiet: bool) -> Self {
+        let settings = scene.render;
+        let time = settings.time.map(Duration::from_secs_f64);
+        let goal = settings.error.map(|relative| ErrorGoal {
+            relative,
+            confidence: settings.confidence,
+        });
+        Self {
+            scene,
+            interrupt: Interrupt::listen(),
+            time,
+            progress: Progress::new(settings.spp, time, quiet),
+            start: Instant::now(),
+            watch: goal.map(Watch::new),
+            passes: 0,
+        }
+    }
+
+    /// Takes passes until the samples, the time or the user's patience run out, or the image is right enough.
+    pub fn take(&mut self, session: &mut Session<'_>) -> Result<Progressed, Error> {
+        let spp = self.scene.render.spp;
+        let mut stopped_by = StoppedBy::Samples;
+        while session.samples() < spp {
+            let until = self.watch.map_or(spp, |w| spp.min(w.next()));
+            let samples = session.pass_samples(until - session.samples());
+            // The first pass is finished whatever the time, so that there is an image.
+            let first = session.samples() == 0;
+            let out_of_time = || !first && self.time.is_some_and(|t| self.start.elapsed() >= t);
+            let stop = || self.interrupt.came() || out_of_time();
+            if session.pass(samples, stop)? == StopReason::Interrupted {
+                stopped_by = if self.interrupt.came() {
+                    StoppedBy::Interrupt
+                } else {
+                    StoppedBy::Time
+                };
+                break;
+            }
+            self.passes += 1;
+            let pixels = self.scene.film.pixels();
+            self.progress.update(session, self.passes, pixels)?;
+            let look = self.watch.as_mut().map(|w| w.look(session)).transpose()?;
+            stopped_by = match look {
+                Some(Look::Reached) => StoppedBy::Error,
+                Some(Look::Black) => StoppedBy::Black,
+                Some(Look::NotYet) | None => continue,
             };
             break;
         }
-        passes += 1;
-        progress.update(session, passes, scene.film.pixels())?;
-        let look = watch.as_mut().map(|w| w.look(session)).transpose()?;
-        stopped_by = match look {
-            Some(Look::Reached) => StoppedBy::Error,
-            Some(Look::Black) => StoppedBy::Black,
-            Some(Look::NotYet) | None => continue,
-        };
-        break;
+        self.progress.finish();
+        Ok(Progressed {
+            passes: self.passes,
+            seconds: self.start.elapsed().as_secs_f64(),
+            stopped_by,
+        })
     }
-    progress.finish();
-    Ok(Progressed {
-        passes,
-        seconds: start.elapsed().as_secs_f64(),
-        stopped_by,
-    })
 }

@@ -2,12 +2,14 @@
 
 use super::check::{CheckArgument, print_verdict};
 use super::outputs::OutputArguments;
-use super::passes::{Progressed, StoppedBy, take_passes};
+use super::passes::{Passes, Progressed, StoppedBy};
 use super::settings::{EstimatorArguments, SceneArguments, warn};
 use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
-use crate::render::{Check, Film, ImageError, Ledger, Prepared, RayCounts, Session};
+use crate::render::{
+    Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, render_through_losses,
+};
 use crate::scene::{LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
 use serde::Serialize;
 use std::process::ExitCode;
@@ -144,52 +146,88 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let load_seconds = start.elapsed().as_secs_f64();
     warn(&scene);
     let settings = scene.render;
-    let film_size = scene.film;
-    let context = Context::new(arguments.adapter.adapter.as_deref())?;
+    let open = || Context::new(arguments.adapter.adapter.as_deref());
     let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
     if let Some(bias) = prepared.bias() {
         eprintln!("direkt: warning: {bias}");
     }
-    let mut session = Session::new(&context, &prepared, film_size, settings.seed)?;
-
     let quiet = arguments.quiet || arguments.json.is_stdout();
-    if !quiet {
-        let (name, driver) = (&context.adapter.name, &context.adapter.driver);
-        let path = arguments.scene.scene.display();
-        eprintln!("rendering {path} on {name} ({driver})");
-    }
-    let progressed = take_passes(&mut session, &prepared.scene, quiet)?;
-    let (film, rays) = session.snapshot()?;
-    if rays.camera == 0 {
+    let mut passes = None;
+    let work = |session: &mut Session<'_>| {
+        let passes = passes.get_or_insert_with(|| {
+            announce(&prepared.scene, session, quiet);
+            Passes::new(&prepared.scene, quiet)
+        });
+        Rendered::new(passes.take(session)?, session)
+    };
+    let rendered = render_through_losses(open, &prepared, work, |error, samples| {
+        eprintln!(
+            "direkt: warning: {error}; going on with the {samples} samples per pixel that are safe"
+        );
+    })?;
+    if rendered.rays.camera == 0 {
         eprintln!("direkt: interrupted before the first sample, nothing was written");
         return Ok(ExitCode::FAILURE);
     }
     let seconds = Seconds {
         load: load_seconds,
         accel: prepared.accel_seconds,
-        compile: session.compile_seconds,
-        render: progressed.seconds,
+        compile: rendered.compile_seconds,
+        render: rendered.progressed.seconds,
         total: start.elapsed().as_secs_f64(),
     };
-    let mut report = report(&prepared, &context, &film, rays, &progressed, seconds);
-    arguments.outputs.write(&film, &attributes(&report))?;
-    report.check = arguments.check.compare(&prepared.scene, &film)?;
+    let film = &rendered.film;
+    let mut report = report(&prepared, &rendered, seconds);
+    arguments.outputs.write(film, &attributes(&report))?;
+    report.check = arguments.check.compare(&prepared.scene, film)?;
     finish(arguments, &report, quiet)
 }
 
-fn report(
-    prepared: &Prepared,
-    context: &Context,
-    film: &Film,
+/// Says what is rendered where.
+fn announce(scene: &Scene, session: &Session<'_>, quiet: bool) {
+    if !quiet {
+        let AdapterFacts { name, driver, .. } = &session.context().adapter;
+        let path = scene.source.display();
+        eprintln!("rendering {path} on {name} ({driver})");
+    }
+}
+
+/// The image and how it came about.
+struct Rendered {
+    film: Film,
     rays: RayCounts,
-    progressed: &Progressed,
-    seconds: Seconds,
-) -> Report {
+    progressed: Progressed,
+    compile_seconds: f64,
+    adapter: AdapterFacts,
+}
+
+impl Rendered {
+    fn new(progressed: Progressed, session: &Session<'_>) -> Result<Self, Error> {
+        let (film, rays) = session.snapshot()?;
+        Ok(Self {
+            film,
+            rays,
+            progressed,
+            compile_seconds: session.compile_seconds,
+            adapter: session.context().adapter.clone(),
+        })
+    }
+}
+
+fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds) -> Report {
     let settings = prepared.scene.render;
+    let Rendered {
+        film,
+        rays,
+        progressed,
+        adapter,
+        ..
+    } = rendered;
+    let rays = *rays;
     Report {
         direkt: env!("CARGO_PKG_VERSION"),
         scene: prepared.scene.source.display().to_string(),
-        adapter: context.adapter.clone(),
+        adapter: adapter.clone(),
         width: film.size.width,
         height: film.size.height,
         spp: film.sample_range().1,

@@ -2,6 +2,7 @@
 
 use crate::error::GpuError;
 use serde::Serialize;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// What is known of an adapter.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -40,6 +41,16 @@ pub struct Context {
     pub adapter: AdapterFacts,
     /// The limits that the device was opened with: all that the adapter has.
     pub limits: wgpu::Limits,
+    troubles: Arc<Mutex<Troubles>>,
+}
+
+/// What went wrong outside any call that could have said so.
+#[derive(Debug, Default)]
+struct Troubles {
+    /// Why the device was lost.
+    lost: Option<String>,
+    /// The first error that no call asked for.
+    uncaptured: Option<String>,
 }
 
 /// The adapters of this machine: fast ones first, software last.
@@ -87,8 +98,15 @@ impl Context {
     /// # Errors
     /// The device cannot be opened.
     pub fn open(adapter: &wgpu::Adapter) -> Result<Self, GpuError> {
+        Self::open_with(adapter, adapter.limits())
+    }
+
+    /// Opens `adapter` with `limits`.
+    ///
+    /// # Errors
+    /// The device cannot be opened, or the adapter has less.
+    pub fn open_with(adapter: &wgpu::Adapter, limits: wgpu::Limits) -> Result<Self, GpuError> {
         let facts = AdapterFacts::of(&adapter.get_info());
-        let limits = adapter.limits();
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("direkt"),
             required_limits: limits.clone(),
@@ -101,18 +119,29 @@ impl Context {
                     message: e.to_string(),
                 }
             })?;
+        let troubles = Arc::<Mutex<Troubles>>::default();
+        let (of_loss, of_error) = (Arc::clone(&troubles), Arc::clone(&troubles));
+        device.set_device_lost_callback(move |reason, message| {
+            locked(&of_loss).lost = Some(format!("{message} ({reason:?})"));
+        });
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            locked(&of_error)
+                .uncaptured
+                .get_or_insert_with(|| error.to_string());
+        }));
         Ok(Self {
             device,
             queue,
             adapter: facts,
             limits,
+            troubles,
         })
     }
 
     /// Runs `work` and turns what the driver reports meanwhile into an error.
     ///
     /// # Errors
-    /// wgpu reported a validation error, an internal one, or that memory ran out.
+    /// wgpu reported a validation error, an internal one, or that memory ran out; or the device is lost.
     pub fn checked<T>(&self, work: impl FnOnce() -> T) -> Result<T, GpuError> {
         let scopes = [
             wgpu::ErrorFilter::Internal,
@@ -127,9 +156,28 @@ impl Context {
             first = first.or(error);
         }
         match first {
-            None => Ok(result),
+            Some(wgpu::Error::OutOfMemory { source }) => Err(GpuError::OutOfMemory {
+                adapter: self.adapter.name.clone(),
+                message: source.to_string(),
+            }),
             Some(error) => Err(self.driver_error(error.to_string())),
+            None => match self.trouble() {
+                Some(trouble) => Err(trouble),
+                None => Ok(result),
+            },
         }
+    }
+
+    /// What went wrong outside any call.
+    fn trouble(&self) -> Option<GpuError> {
+        let troubles = locked(&self.troubles);
+        let message = troubles
+            .lost
+            .as_ref()
+            .or(troubles.uncaptured.as_ref())?
+            .clone();
+        drop(troubles);
+        Some(self.driver_error(message))
     }
 
     /// Waits until the device has done everything that was submitted.
@@ -171,13 +219,21 @@ impl Context {
         Ok(out)
     }
 
-    /// An error that names this adapter.
+    /// An error that names this adapter, and says so where the device is lost.
     pub fn driver_error(&self, message: impl Into<String>) -> GpuError {
-        GpuError::Driver {
-            adapter: self.adapter.name.clone(),
-            message: message.into(),
+        let adapter = self.adapter.name.clone();
+        match locked(&self.troubles).lost.clone() {
+            Some(message) => GpuError::Lost { adapter, message },
+            None => GpuError::Driver {
+                adapter,
+                message: message.into(),
+            },
         }
     }
+}
+
+fn locked(troubles: &Mutex<Troubles>) -> std::sync::MutexGuard<'_, Troubles> {
+    troubles.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 pub(crate) fn matches(adapter: &wgpu::Adapter, wanted: &str) -> bool {

@@ -6,6 +6,7 @@ pub mod film;
 pub mod goal;
 mod neighbourhood;
 pub mod prepare;
+mod recover;
 pub mod session;
 
 pub use check::Check;
@@ -13,4 +14,6 @@ pub use error::{CONFIDENCE, ImageError, tile_sums, unit_side};
 pub use film::{Film, FirstBad, Ledger, Pixel};
 pub use goal::ErrorGoal;
 pub use prepare::{Patterns, Prepared};
+pub use recover::render_through_losses;
+pub use session::checkpoint::Checkpoint;
 pub use session::{RayCounts, Session, StopReason};

@@ -5,17 +5,19 @@
 //! blocks of 256 in f32 on the GPU; a full block is merged into the f64 film. Where a pass is cut does not
 //! change the image: a pixel's state goes on exactly from where it stood.
 
+pub(super) mod checkpoint;
+mod readback;
+
 use super::film::Film;
 use super::prepare::{Patterns, Prepared};
 use crate::error::GpuError;
 use crate::gpu::kernel::{DIRECT, RegionBindings, SceneBindings, SceneKernel};
-use crate::gpu::layout::{
-    BLOCK_SAMPLES, Dispatch, Frame, PixelState, TILE, TILE_PIXELS, lane_pixel,
-};
+use crate::gpu::layout::{BLOCK_SAMPLES, Dispatch, Frame, PixelState, TILE, TILE_PIXELS};
 use crate::gpu::scene_buffers::{self, SceneBuffers};
 use crate::gpu::shader::Config;
 use crate::gpu::{Context, GpuBuffer};
 use crate::scene::FilmSize;
+use checkpoint::Saved;
 use std::time::{Duration, Instant};
 
 /// Tiles of a region at most: 2²⁰ pixels, 48 MiB of states.
@@ -87,6 +89,7 @@ pub struct Session<'a> {
     /// Position in the open block that every pixel has reached.
     position: u32,
     budget: u64,
+    saved: Saved,
     /// Seconds that linking and compiling the kernel took, the driver's part included.
     pub compile_seconds: f64,
     /// Dispatches so far.
@@ -103,6 +106,20 @@ impl<'a> Session<'a> {
         prepared: &Prepared,
         film: FilmSize,
         seed: u32,
+    ) -> Result<Self, GpuError> {
+        Self::in_regions(context, prepared, film, seed, REGION_TILES)
+    }
+
+    /// The same with `region_tiles` tiles at most in one region, which does not change the image.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn in_regions(
+        context: &'a Context,
+        prepared: &Prepared,
+        film: FilmSize,
+        seed: u32,
+        region_tiles: u32,
     ) -> Result<Self, GpuError> {
         let buffers = SceneBuffers::new(context, prepared)?;
         let compile_start = Instant::now();
@@ -129,9 +146,9 @@ impl<'a> Session<'a> {
         let read = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let regions = context.checked(|| {
             let tiles = film.width.div_ceil(TILE) * film.height.div_ceil(TILE);
-            let firsts = (0..tiles).step_by(REGION_TILES as usize);
+            let firsts = (0..tiles).step_by(region_tiles as usize);
             let regions = firsts.map(|first_tile| {
-                let tiles = REGION_TILES.min(tiles - first_tile);
+                let tiles = region_tiles.min(tiles - first_tile);
                 let count = (tiles * TILE_PIXELS) as usize;
                 let usage = wgpu::BufferUsages::STORAGE
                     | wgpu::BufferUsages::COPY_SRC
@@ -162,6 +179,7 @@ impl<'a> Session<'a> {
             merged: 0,
             position: 0,
             budget: first_budget(prepared),
+            saved: Saved::default(),
             compile_seconds: 0.0,
             dispatches: 0,
         };
@@ -245,6 +263,8 @@ impl<'a> Session<'a> {
         if self.position == BLOCK_SAMPLES {
             (self.film, self.rays) = self.snapshot()?;
             self.close_block()?;
+        } else if self.saved.is_due() {
+            self.save()?;
         }
         Ok(StopReason::Done)
     }
@@ -319,35 +339,16 @@ impl<'a> Session<'a> {
         (fit as u64).clamp(u64::from(TILE_PIXELS), largest)
     }
 
-    /// The image so far, with the open block merged into it, and the rays traced for it.
-    ///
-    /// # Errors
-    /// The driver fails.
-    pub fn snapshot(&self) -> Result<(Film, RayCounts), GpuError> {
-        let mut film = self.film.clone();
-        let mut rays = self.rays;
-        for region in &self.regions {
-            self.context.checked(|| {
-                let mut encoder = self
-                    .context
-                    .device
-                    .create_command_encoder(&Default::default());
-                let (from, to) = (region.pixels.raw(), region.staging.raw());
-                encoder.copy_buffer_to_buffer(from, 0, to, 0, region.pixels.bytes());
-                self.context.queue.submit([encoder.finish()]);
-            })?;
-            self.context.read(region.staging.raw(), |bytes| {
-                let states: &[PixelState] = bytemuck::cast_slice(bytes);
-                merge_region(&mut film, &mut rays, region.first_tile, states, self.merged);
-            })?;
-        }
-        Ok((film, rays))
+    /// The device.
+    pub fn context(&self) -> &'a Context {
+        self.context
     }
 
     /// Starts the next block: what was merged must not be merged again.
     fn close_block(&mut self) -> Result<(), GpuError> {
         self.merged += u64::from(self.position);
         self.position = 0;
+        self.saved = Saved::default();
         self.context.checked(|| {
             let mut encoder = self
                 .context
@@ -365,31 +366,4 @@ impl<'a> Session<'a> {
 fn first_budget(prepared: &Prepared) -> u64 {
     let rays = prepared.most_light_samples().max(1.0);
     ((FIRST_BUDGET as f64 / rays) as u64).max(u64::from(TILE_PIXELS))
-}
-
-/// Merges the states of a region's tiles into the film.
-fn merge_region(
-    film: &mut Film,
-    rays: &mut RayCounts,
-    first_tile: u32,
-    states: &[PixelState],
-    block_start: u64,
-) {
-    let size = film.size;
-    let tiles_per_row = size.width.div_ceil(TILE);
-    for (i, state) in states.iter().enumerate() {
-        let i = i as u32;
-        let tile = first_tile + i / TILE_PIXELS;
-        let (dx, dy) = lane_pixel(i % TILE_PIXELS);
-        let x = tile % tiles_per_row * TILE + dx;
-        let y = tile / tiles_per_row * TILE + dy;
-        if x >= size.width || y >= size.height {
-            continue;
-        }
-        film.pixels[y as usize * size.width as usize + x as usize].merge(state);
-        film.ledger.enter(state, x, y, block_start);
-        rays.camera += u64::from(state.samples + state.dropped);
-        rays.shadow += u64::from(state.shadow_rays);
-        rays.bsdf += u64::from(state.bsdf_rays);
-    }
 }

@@ -74,7 +74,8 @@ fn ten_million_samples_keep_their_mean() {
         values.map(f64::from).sum::<f64>() / samples().count() as f64
     };
     let lone = |(block, i)| if (block, i) == (0, 0) { 1.0 } else { 1e-8 };
-    let cases: [(&str, &str, &str, &str, &dyn Fn((u32, u32)) -> f32); 3] = [
+    type Sample<'a> = &'a dyn Fn((u32, u32)) -> f32;
+    let cases: [(&str, &str, &str, &str, Sample<'_>); 3] = [
         (
             "A1",
             "0.1, 10⁷ times",

@@ -1,12 +1,12 @@
 //! Several shadow rays per camera ray, where they end, and shadow rays to every light.
 
 use crate::support::{
-    assert_pixel, context, emitter, floor_pixel, point_light, render, scene, statistics,
+    assert_pixel, context, emitter, floor_pixel, point_light, prepared, render, scene, statistics,
     unit_square,
 };
 use direkt::effects::Effect;
 use direkt::reference::exact::cubature::{Tolerance, integrate};
-use direkt::render::{Check, Film, Prepared, Session};
+use direkt::render::{Check, Film, Session};
 use direkt::scene::{
     ExpectedRadiance, FilmSize, Geometry, Light, LightSelection, Sampler, Scene, ShadowGrid,
     ShadowPattern, Strategy,
@@ -25,11 +25,6 @@ fn with_rays(mut scene: Scene, rays: u32, pattern: ShadowPattern) -> Scene {
     scene.render.shadow_rays = rays;
     scene.render.shadow_pattern = pattern;
     scene
-}
-
-fn prepared(scene: Scene) -> Prepared {
-    let settings = scene.render;
-    Prepared::new(scene, settings.strategy, settings.light_selection)
 }
 
 /// Scenes with several lights, with an environment, with lights that only MIS samples well, with delta lights, and with a
@@ -335,7 +330,7 @@ fn cut_loops_lose_no_shadow_ray() {
         let expected = 0.5 / PI * 8.0 / 4.0;
         assert!((pixel.mean[0] / expected - 1.0).abs() < 1e-5, "{what}");
         assert!(pixel.m2[0].sqrt() < 1e-4 * expected, "{what}");
-        let limited = !direkt::gpu::doctor::loop_budget(&context)
+        let limited = !direkt::gpu::doctor::loops::loop_budget(&context)
             .unwrap()
             .is_unlimited();
         assert_eq!(session.dispatches > 1, limited, "{what}");

@@ -105,11 +105,17 @@ pub fn own_scenes() -> Vec<(String, Scene)> {
 /// Scenes whose models and maps the user has to bring.
 pub const NEEDS_ASSETS: [&str; 2] = ["bunny.toml", "helmet.toml"];
 
+/// `scene` made ready with its own settings.
+pub fn prepared(scene: Scene) -> Prepared {
+    let settings = scene.render;
+    Prepared::new(scene, settings.strategy, settings.light_selection)
+}
+
 /// Renders `scene` with its own settings.
 pub fn render(context: &Context, scene: Scene) -> Film {
     let settings = scene.render;
     let film = scene.film;
-    let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    let prepared = prepared(scene);
     let mut session = Session::new(context, &prepared, film, settings.seed).unwrap();
     take(&mut session, settings.spp);
     session.snapshot().unwrap().0
