@@ -1,8 +1,10 @@
 //! `docs/hard-cases.md` and what it is made of.
 
 mod accumulation;
+mod irradiance;
 mod lights;
 mod microfacets;
+mod samplers;
 mod solid_angles;
 mod weights;
 

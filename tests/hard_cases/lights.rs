@@ -4,11 +4,13 @@ use super::worst;
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::rounded;
 use crate::support::shader::{Function, call, call_in, draw, words};
-use crate::support::{context, edge_points, floor_pixel, point_light};
+use crate::support::{context, edge_points, floor_pixel, point_light, shape};
 use direkt::gpu::Context;
 use direkt::render::Prepared;
 use direkt::scene::light::Interpolation;
-use direkt::scene::{Environment, EnvironmentMap, EnvironmentRadiance, LightSelection, Strategy};
+use direkt::scene::{
+    Environment, EnvironmentMap, EnvironmentRadiance, Geometry, Light, LightSelection, Strategy,
+};
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
 
@@ -192,6 +194,73 @@ fn a_point_light_on_the_surface_gives_nothing() {
             textbook: "I·cosθ/d²",
             naive: failures(answers.f64(1)),
             ours: failures(answers.f64(0)),
+        },
+    );
+}
+
+/// A square at this height, far above a floor, between it and a directional light.
+fn roof(height: f64) -> Prepared {
+    let mut scene = floor_pixel();
+    let square = Geometry::Rectangle {
+        corner: DVec3::new(-height, -height, height),
+        u: DVec3::X * (2.0 * height),
+        v: DVec3::Y * (2.0 * height),
+    };
+    scene.shapes.push(shape("roof", square));
+    scene.lights = vec![Light::Directional {
+        direction: -DVec3::Z,
+        irradiance: DVec3::ONE,
+    }];
+    Prepared::new(scene, Strategy::LightArea, LightSelection::Uniform)
+}
+
+#[test]
+fn nothing_is_too_far_to_hide_a_directional_light() {
+    let context = context();
+    let function = Function {
+        imports: "import package::core::frame::frame_from_normal;
+            import package::core::pdf::PdfDiscrete;
+            import package::core::ray::Ray;
+            import package::light::alias_table::Choice;
+            import package::light::light::sample_chosen_light;
+            import package::scene::trace::any_hit;",
+        body: "let x = in_vec3f(0u);
+               let frame = frame_from_normal(vec3f(0.0, 0.0, 1.0));
+               let s = sample_chosen_light(Choice(0u, PdfDiscrete(1.0)), x, frame, vec2f(0.5), 0u);
+               out_bool(0u, any_hit(Ray(x, s.target_point - x), 1.0));
+               out_bool(1u, any_hit(Ray(x, s.wi), in_f32(3u)));",
+        inputs: 4,
+        outputs: 2,
+        features: &[],
+    };
+    let mut missed = [0.0; 2];
+    for height in [1e2, 1e4, 1e6] {
+        let prepared = roof(height);
+        let normalization = &prepared.normalization;
+        let above_floor = normalization.point(DVec3::Z * 0.1 * height);
+        let inputs = [
+            above_floor.to_array().to_vec(),
+            vec![normalization.length(1000.0)],
+        ]
+        .concat();
+        let answers = call_in(&context, &prepared, &function, &words(&inputs), 1);
+        for (word, missed) in missed.iter_mut().enumerate() {
+            *missed += answers
+                .u32(word)
+                .map(|hit| 1.0 - f64::from(hit))
+                .sum::<f64>();
+        }
+    }
+    survive(
+        &context,
+        Measured {
+            entry: "S7",
+            case: "a directional light above roofs at heights of 10², 10⁴ and 10⁶",
+            figure: "roofs that let it through",
+            bound: 0.0,
+            textbook: "shadow rays of 1000 units",
+            naive: missed[1],
+            ours: missed[0],
         },
     );
 }
