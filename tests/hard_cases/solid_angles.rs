@@ -116,7 +116,7 @@ fn triangles_of_every_size_have_the_exact_solid_angle() {
         DVec3::new(-1.0, 0.0, 1.0),
     ];
     let cases = [
-        (octant, 1.570_796_326_794_9),
+        (octant, std::f64::consts::FRAC_PI_2),
         (right_triangle(1.0), 0.339_836_909_454_122),
         (right_triangle(10.0), 0.004_975_144_902_270_54),
         (right_triangle(100.0), 4.999_750_014_582_4e-5),

@@ -123,9 +123,6 @@ pub fn survive(context: &Context, measured: Measured<'_>) {
         "there is no hard case {entry}"
     );
     let driver = &context.adapter.driver;
-    eprintln!(
-        "MEASURED {entry} | {case} | {figure} | bound {bound:e} | naive {naive:e} | ours {ours:e}"
-    );
     assert!(
         ours <= bound,
         "{entry}, {case}: {figure} {ours:e}, more than {bound:e}, on {driver}"
