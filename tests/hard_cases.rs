@@ -3,6 +3,12 @@
 mod accumulation;
 mod cameras;
 mod device;
+mod irradiance;
+mod lights;
+mod microfacets;
+mod samplers;
+mod solid_angles;
+mod weights;
 
 use crate::support::hard_cases::HardCase;
 use crate::support::hard_cases::document::{missing, page, results, text_of};
@@ -28,4 +34,15 @@ fn the_page_is_made_of_the_results_and_they_are_complete() {
     }
     let written = std::fs::read_to_string(page()).unwrap();
     assert_eq!(written, text_of(&results), "docs/hard-cases.md");
+}
+
+/// The largest of errors; NaN where one is not finite.
+pub(crate) fn worst(errors: impl Iterator<Item = f64>) -> f64 {
+    errors.fold(0.0, |worst: f64, x| {
+        if (worst + x).is_finite() {
+            worst.max(x)
+        } else {
+            f64::NAN
+        }
+    })
 }

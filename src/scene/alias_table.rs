@@ -26,7 +26,9 @@ pub struct AliasTable {
 const WORDS: u64 = 1 << 32;
 
 impl AliasTable {
-    /// A table for `weights`, which are finite and not negative. An index of weight zero is never chosen.
+    /// A table for `weights`, which are finite and not negative. An index of weight zero is never chosen; any other is by
+    /// one of the 2³² words at least, however small its weight, so that estimators which divide by the realised
+    /// probability lose nothing (HARD CASES S2).
     ///
     /// `None` when no weight is positive or there are more than 2³² − 1.
     pub fn new(weights: &[f64]) -> Option<Self> {
@@ -37,9 +39,14 @@ impl AliasTable {
         // Scaling by the maximum first keeps the sum finite and above zero.
         let sum: f64 = weights.iter().map(|w| w / largest).sum();
         let n = weights.len();
+        // The fractions u·n mod 2³² of an entry's words lie n apart: below n units of 2⁻³² there is one of them.
+        let one_word = n as f64 / WORDS as f64;
         let mut share: Vec<f64> = weights
             .iter()
-            .map(|w| w / largest / sum * n as f64)
+            .map(|&w| match w / largest / sum * n as f64 {
+                share if w > 0.0 => share.max(one_word),
+                _ => 0.0,
+            })
             .collect();
         let heaviest = share
             .iter()
@@ -127,6 +134,19 @@ mod tests {
         for k in 0..1_u32 << 24 {
             let i = table.choose(k << 8 | 0xff);
             assert!(i != 0 && i != 2 && i != 5, "word {k} chose {i}");
+        }
+    }
+
+    #[test]
+    fn every_positive_weight_has_a_word() {
+        let weights: Vec<f64> = (-15..=15).map(|e| 10_f64.powi(e)).collect();
+        for n in [31, 1000, 100_000] {
+            let weights: Vec<f64> = weights.iter().copied().cycle().take(n).collect();
+            let table = AliasTable::new(&weights).unwrap();
+            let word = 1.0 / WORDS as f64;
+            assert!(table.probability.iter().all(|&p| p >= word));
+            let total: f64 = table.probability.iter().sum();
+            assert!((total - 1.0).abs() < 1e-12);
         }
     }
 

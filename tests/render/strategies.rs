@@ -1,14 +1,18 @@
 //! Every strategy estimates the same integral.
 
+use crate::support::hard_cases::{Measured, survive};
 use crate::support::twin::{
-    COMMON_MISTAKES, Part, Power, accept_means, exact_means, recorded_film, same_means,
+    COMMON_MISTAKES, Part, Power, accept_means, exact_means, recorded_film, same_means, twin_film,
 };
 use crate::support::{
     STRATEGIES, context, emitter, floor_pixel, lambert, own_scenes, render, scene,
 };
 use direkt::reference::BrokenTwin;
-use direkt::render::Prepared;
-use direkt::scene::{Bsdf, FilmSize, Geometry, LightSelection, Scene, ShadowPattern, Strategy};
+use direkt::render::{Film, Prepared};
+use direkt::scene::{
+    Bsdf, FilmSize, Geometry, LightSampling, LightSelection, Sampler, Scene, ShadowPattern,
+    Strategy,
+};
 use glam::DVec3;
 
 const FILM: FilmSize = FilmSize {
@@ -145,6 +149,12 @@ fn shadow_rays_do_not_change_the_mean() {
     power.found(&[BrokenTwin::RaysForgotten, BrokenTwin::MisWeights]);
 }
 
+/// Difference of the red channel's means.
+fn standard_errors(film: &Film, other: &Film) -> f64 {
+    let [a, b] = [film, other].map(|f| (f.mean()[0], f.standard_error_of_mean().unwrap()[0]));
+    (a.0 - b.0).abs() / a.1.hypot(b.1)
+}
+
 /// HARD CASES M2: squares of radiances 10⁻³ and 10³ side by side, chosen alike or by power.
 #[test]
 fn lights_of_very_different_power_have_the_same_mean_under_every_selection() {
@@ -166,6 +176,8 @@ fn lights_of_very_different_power_have_the_same_mean_under_every_selection() {
             scene.render.light_selection = selection;
             scene.render.spp = 1024;
             scene.render.seed = 20 + selection as u32;
+            scene.render.sampler = Sampler::Independent;
+            scene.render.light_sampling = LightSampling::Area;
             scene
         });
         let films = scenes.clone().map(|scene| render(&context, scene));
@@ -174,6 +186,24 @@ fn lights_of_very_different_power_have_the_same_mean_under_every_selection() {
             context.adapter.name
         );
         accept_means(same_means(&films[0], &films[1]), &what);
+        let mistaken = twin_film(
+            &prepared(&scenes[1]),
+            (TWIN_FILM, 1000, 64),
+            Part::All,
+            Some(BrokenTwin::WrongMeasure),
+        );
+        survive(
+            &context,
+            Measured {
+                entry: "M2",
+                case: &format!("lights of 1 and 10⁶, chosen alike and by power, {strategy}"),
+                figure: "difference of the means in standard errors",
+                bound: 4.5,
+                textbook: "densities per area as if per solid angle",
+                naive: standard_errors(&mistaken, &films[0]),
+                ours: standard_errors(&films[1], &films[0]),
+            },
+        );
         for (i, scene) in scenes.iter().enumerate() {
             let other = &films[1 - i];
             let p_values = |film: &_| same_means(film, other);

@@ -55,7 +55,7 @@ pub fn eval_bsdf(m: &BsdfParameters, wi: DVec3, wo: DVec3) -> BsdfValue {
             pdf: pdf_diffuse,
         };
     };
-    let f = fresnel_schlick(lobe.f0, wi.dot(h));
+    let f = fresnel_schlick(lobe.f0, 0.5 * (wi + wo).length());
     let share = specular_share(m.diffuse, lobe, wo.z);
     let pdf_specular = pdf_ggx(wo, h, lobe.alpha);
     BsdfValue {

@@ -6,7 +6,10 @@ use super::rectangle::{
     pdf_rectangle_area, sample_parallelogram_solid_angle, sample_rectangle_area,
     sample_rectangle_solid_angle, spherical_parallelogram, spherical_rectangle,
 };
-use super::sphere::{cone_height, pdf_sphere_area, sample_cone, sample_sphere_area};
+use super::sphere::{
+    cone_height, distance_within_sphere, pdf_sphere_area, sample_cone, sample_sphere_area,
+    within_sphere,
+};
 use super::triangle::{
     pdf_triangle_area, pdf_uniform_solid_angle, sample_triangle_area, sample_triangle_solid_angle,
     spherical_triangle,
@@ -14,6 +17,7 @@ use super::triangle::{
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
 use crate::emitters::Emitter;
+use crate::reference::bsdf::lambert::{pdf_lambert, sample_lambert};
 use crate::reference::core::frame::{ShadingFrame, to_local, to_world};
 use crate::reference::core::math::max_abs;
 use crate::reference::core::pdf::{
@@ -146,13 +150,29 @@ fn sample_area(geometry: &PrimitiveGeometry, u: DVec2) -> (LightPoint, PdfArea) 
     }
 }
 
+/// A direction from within the sphere, in proportion to the cosine at the surface with the frame `frame`.
+fn sample_sphere_from_within(frame: &ShadingFrame, u: DVec2) -> (DVec3, PdfSolidAngle) {
+    let local = sample_lambert(u);
+    (to_world(frame, local), pdf_lambert(local.z))
+}
+
+/// Whether `x` is within the light or on it, a sphere that is sampled over its solid angle.
+fn is_within(light: &AreaLight, x: DVec3) -> bool {
+    match light.geometry {
+        PrimitiveGeometry::Sphere { center, radius } => {
+            light.by_solid_angle && within_sphere(center, radius, x)
+        }
+        _ => false,
+    }
+}
+
 /// 1 − cosθ of the cone in which `x` sees a sphere; `None` from within, and where the cone is too narrow.
 fn sphere_cone(center: DVec3, radius: f64, x: DVec3) -> Option<f64> {
-    let (d2, r2) = ((center - x).length_squared(), radius * radius);
-    if d2 <= r2 * 1.000_001 {
+    if within_sphere(center, radius, x) {
         return None;
     }
-    Some(cone_height(r2 / d2)).filter(|k| TAU * k >= MIN_SOLID_ANGLE)
+    let k = cone_height(radius * radius / (center - x).length_squared());
+    Some(k).filter(|k| TAU * k >= MIN_SOLID_ANGLE)
 }
 
 /// A direction towards the light, uniform over a solid angle, and that solid angle; `None` where it is too small to be
@@ -224,10 +244,17 @@ fn point_in_direction(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> Opti
             (a + st.x * u + st.y * v, normal.normalize())
         }
         PrimitiveGeometry::Sphere { center, radius } => {
-            let to_center = center - x;
-            let along = to_center.dot(wi);
-            let off = (to_center - along * wi).length_squared();
-            let t = along - (radius * radius - off).max(0.0).sqrt();
+            let t = if within_sphere(center, radius, x) {
+                distance_within_sphere(center, radius, x, wi)
+            } else {
+                let to_center = center - x;
+                let along = to_center.dot(wi);
+                let off = (to_center - along * wi).length_squared();
+                along - (radius * radius - off).max(0.0).sqrt()
+            };
+            if t <= 0.0 {
+                return None;
+            }
             let normal = (x + t * wi - center).normalize();
             (center + radius * normal, normal)
         }
@@ -254,6 +281,9 @@ fn sample_by_direction(
     if !light.by_solid_angle {
         return None;
     }
+    if is_within(light, x) {
+        return Some(sample_sphere_from_within(frame, u));
+    }
     let (wi, solid_angle) = sample_direction(&light.geometry, x, u)?;
     Some((wi, pdf_uniform_solid_angle(solid_angle)))
 }
@@ -270,7 +300,8 @@ pub fn sample_area_light(
     let on_light = PdfArea(1.0 / light.geometry.area());
     let (point, wi, pdf) = match direction {
         Some((wi, pdf)) => {
-            let Some(point) = point_in_direction(&light.geometry, x, wi) else {
+            let point = point_in_direction(&light.geometry, x, wi);
+            let Some(point) = point.filter(|_| pdf.0 > 0.0) else {
                 return no_light();
             };
             (point, wi, Some(pdf))
@@ -339,6 +370,9 @@ pub fn pdf_area_light(
             selection,
             PdfSolidAngle(frame.z.dot(wi).max(0.0) / polygon.area),
         );
+    }
+    if is_within(&light, x) {
+        return chosen(selection, pdf_lambert(frame.z.dot(wi)));
     }
     let sampled = if light.by_solid_angle {
         sample_direction(&light.geometry, x, DVec2::ZERO)

@@ -36,3 +36,24 @@ pub fn sample_cone(axis: DVec3, k: f64, u: DVec2) -> (DVec3, f64) {
 pub fn pdf_cone(k: f64) -> PdfSolidAngle {
     PdfSolidAngle(1.0 / (std::f64::consts::TAU * k))
 }
+
+/// How far a squared distance may be off, relative to it, from the square of the radius: nearer, a point counts as on the
+/// sphere.
+const ON_SPHERE: f64 = 1e-6;
+
+/// Whether `x` is within a sphere or on it.
+pub fn within_sphere(center: DVec3, radius: f64, x: DVec3) -> bool {
+    (center - x).length_squared() <= radius * radius * (1.0 + ON_SPHERE)
+}
+
+/// Distance from `x`, within a sphere or on it, to the sphere in the unit direction `wi`; 0 where `x` is on it and `wi`
+/// leads out.
+pub fn distance_within_sphere(center: DVec3, radius: f64, x: DVec3, wi: DVec3) -> f64 {
+    let (to_center, r2) = (center - x, radius * radius);
+    let along = to_center.dot(wi);
+    if along <= 0.0 && to_center.length_squared() > r2 * (1.0 - ON_SPHERE) {
+        return 0.0;
+    }
+    let off = (to_center - along * wi).length_squared();
+    along + (r2 - off).max(0.0).sqrt()
+}

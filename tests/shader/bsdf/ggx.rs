@@ -1,5 +1,7 @@
 //! `shaders/bsdf/ggx.wesl`.
 
+use crate::hard_cases::worst;
+use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::{direction, rounded};
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call, draw, words};
@@ -87,9 +89,12 @@ fn the_distribution_does_not_cancel() {
     let context = context();
     let function = Function {
         imports: "import package::bsdf::ggx::ggx_distribution;",
-        body: "out_f32(0u, ggx_distribution(in_vec3f(0u), in_f32(3u)));",
+        body: "out_f32(0u, ggx_distribution(in_vec3f(0u), in_f32(3u)));
+               let c = in_f32(2u); let a2 = in_f32(3u) * in_f32(3u);
+               let d = c * c * (a2 - 1.0) + 1.0;
+               out_f32(1u, a2 / (3.14159265 * d * d));",
         inputs: 4,
-        outputs: 1,
+        outputs: 2,
         features: &[],
     };
     let cases = ALPHAS.iter().flat_map(|&alpha| {
@@ -101,6 +106,25 @@ fn the_distribution_does_not_cancel() {
     });
     let (inputs, exact): (Vec<[f64; 4]>, Vec<f64>) = cases.unzip();
     let answers = call(&context, &function, &words(inputs.as_flattened()));
+    for (alpha, case) in [(1e-3, "α = 10⁻³"), (1e-4, "α = 10⁻⁴")] {
+        let off = |word| {
+            let of_alpha = answers.f64(word).zip(&exact).zip(&inputs);
+            let of_alpha = of_alpha.filter(|(_, input)| input[3] == alpha);
+            worst(of_alpha.map(|((found, exact), _)| (found / exact - 1.0).abs()))
+        };
+        survive(
+            &context,
+            Measured {
+                entry: "B1",
+                case: &format!("{case}, normals with tanθ/α of 0, ½, 1 and 3"),
+                figure: "relative error of the distribution",
+                bound: 1e-5,
+                textbook: "α²/(π((n·h)²(α² − 1) + 1)²)",
+                naive: off(1),
+                ours: off(0),
+            },
+        );
+    }
     for ((found, exact), input) in answers.f64(0).zip(exact).zip(inputs) {
         assert!((found / exact - 1.0).abs() < 1e-5, "{input:?}: {found}");
     }

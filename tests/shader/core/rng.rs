@@ -1,5 +1,6 @@
 //! `shaders/core/rng.wesl`.
 
+use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
 use crate::support::shader::{Answers, Function, call, draw};
 use crate::support::statistics::{accept, correlation_p_value, reject, reject_broken};
@@ -76,6 +77,35 @@ fn units_are_bit_identical_and_below_one() {
         assert_eq!(two, to_unit_2d(x, y));
         assert!((0.0..1.0).contains(&one) && two.max_element() < 1.0);
     }
+}
+
+/// HARD CASES S1: f32(x)·2⁻³² rounds the largest words to 1.
+#[test]
+fn the_largest_words_are_below_one() {
+    let context = context();
+    let function = Function {
+        imports: "import package::core::rng::to_unit;",
+        body: "out_f32(0u, to_unit(in_u32(0u)));
+               out_f32(1u, f32(in_u32(0u)) * 2.3283064365386963e-10);",
+        inputs: 1,
+        outputs: 2,
+        features: &[],
+    };
+    let inputs: Vec<u32> = (0xffff_ff00..=0xffff_ffff).collect();
+    let answers = call(&context, &function, &inputs);
+    let ones = |word| answers.f64(word).filter(|&x| x >= 1.0).count() as f64;
+    survive(
+        &context,
+        Measured {
+            entry: "S1",
+            case: "the 256 largest words",
+            figure: "numbers that are 1",
+            bound: 0.0,
+            textbook: "the word over 2³²",
+            naive: ones(1),
+            ours: ones(0),
+        },
+    );
 }
 
 /// The first word of consecutive counters in each of the four places, as numbers in [0, 1).

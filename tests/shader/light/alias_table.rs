@@ -1,5 +1,6 @@
 //! `shaders/light/alias_table.wesl`.
 
+use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
 use crate::support::shader::{Function, call, draw};
 use crate::support::{context, statistics};
@@ -151,5 +152,115 @@ fn alias_choices_match_pmf() {
             | BrokenTwin::RaysForgotten
             | BrokenTwin::ExtraCosine => None,
         });
+    }
+}
+
+/// Prefix sums in f32, over their last.
+fn prefix_sums(weights: &[f64]) -> Vec<f32> {
+    let mut sum = 0.0_f32;
+    let mut sums: Vec<f32> = weights
+        .iter()
+        .map(|&w| {
+            sum += w as f32;
+            sum
+        })
+        .collect();
+    sums.iter_mut().for_each(|s| *s /= sum);
+    sums
+}
+
+/// HARD CASES S2: indices of weight zero over 2²⁴ words, 16 per invocation. The textbook's index is the first whose sum is
+/// not below the number.
+#[test]
+fn weights_of_zero_are_never_chosen() {
+    let context = context();
+    let weights = [0.0, 1.0, 0.0, 1e30, 1e-30, 0.0];
+    let table = AliasTable::new(&weights).unwrap();
+    let entries: Vec<String> = (0..6)
+        .map(|i| {
+            format!(
+                "vec4u{:?}",
+                <(u32, u32, u32, u32)>::from(entry_words(&table, i))
+            )
+        })
+        .map(|e| e.replace(',', "u,").replace(')', "u)"))
+        .collect();
+    let sums: Vec<String> = prefix_sums(&weights)
+        .iter()
+        .map(|s| format!("{s:?}"))
+        .collect();
+    let imports = format!(
+        "import package::light::alias_table::{{alias_choice, alias_entry}};
+         var<private> entries: array<vec4u, 6> = array<vec4u, 6>({});
+         var<private> sums: array<f32, 6> = array<f32, 6>({});
+         fn is_zero(i: u32) -> u32 {{
+             return select(0u, 1u, i == 0u || i == 2u || i == 5u);
+         }}",
+        entries.join(", "),
+        sums.join(", "),
+    );
+    let function = Function {
+        imports: &imports,
+        body: "var zeros = vec2u(0u);
+               for (var k = 0u; k < 16u; k++) {
+                   let u = (16u * item + k) << 8u;
+                   let entry = alias_entry(u, 6u);
+                   var i = 0u;
+                   while i < 5u && sums[i] < f32(u >> 8u) * 5.9604644775390625e-8 {
+                       i += 1u;
+                   }
+                   zeros += vec2u(is_zero(alias_choice(u, 6u, entry, entries[entry]).index), is_zero(i));
+               }
+               out_u32(0u, zeros.x);
+               out_u32(1u, zeros.y);",
+        inputs: 0,
+        outputs: 2,
+        features: &[],
+    };
+    let answers = draw(&context, &function, 1 << 20);
+    let zeros = |word| answers.u32(word).map(f64::from).sum();
+    survive(
+        &context,
+        Measured {
+            entry: "S2",
+            case: "weights 0, 1, 0, 10³⁰, 10⁻³⁰, 0, over 2²⁴ numbers",
+            figure: "choices of a weight of zero",
+            bound: 0.0,
+            textbook: "search of prefix sums",
+            naive: zeros(1),
+            ours: zeros(0),
+        },
+    );
+}
+
+/// HARD CASES S2: what no number draws is missing from an image.
+#[test]
+fn every_positive_weight_is_chosen() {
+    let context = context();
+    let decades: Vec<f64> = (-15..=15).map(|e| 10_f64.powi(e)).collect();
+    let sun = [vec![1e8], vec![1.0; 1 << 20]].concat();
+    for (weights, case) in [
+        (decades, "weights of 10⁻¹⁵ to 10¹⁵"),
+        (sun, "a texel of 10⁸ and 2²⁰ of 1"),
+    ] {
+        // A number of 24 bits falls between two sums.
+        let steps = 24_f64.exp2();
+        let first = |sum: f32| (f64::from(sum) * steps).ceil();
+        let sums = prefix_sums(&weights);
+        let none = std::iter::once(0.0).chain(sums.iter().copied()).zip(&sums);
+        let none = none.filter(|&(from, &to)| first(from) >= first(to)).count();
+        let table = AliasTable::new(&weights).unwrap();
+        survive(
+            &context,
+            Measured {
+                entry: "S2",
+                case,
+                figure: "weights that no random number chooses",
+                bound: 0.0,
+                textbook: "prefix sums in f32",
+                naive: none as f64,
+                ours: table.probability.iter().filter(|&&p| p <= 0.0).count() as f64,
+            },
+        );
     }
 }

@@ -1,11 +1,13 @@
 //! `shaders/light/sphere.wesl`.
 
-use crate::support::random::Random;
+use crate::support::random::{Random, rounded};
 use crate::support::rounding::{U, assert_all_near, assert_integrates_to_one, assert_near};
 use crate::support::shader::{Function, call, draw, words};
 use crate::support::{context, edge_points, histogram, statistics};
 use direkt::reference::BrokenTwin;
-use direkt::reference::light::sphere::{pdf_sphere_area, sample_sphere_area};
+use direkt::reference::light::sphere::{
+    distance_within_sphere, pdf_sphere_area, sample_sphere_area, within_sphere,
+};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -92,4 +94,62 @@ fn sphere_area_samples_match_pdf() {
         // These are about choosing among lights and strategies.
         BrokenTwin::LightLeftOut | BrokenTwin::MisWeights | BrokenTwin::RaysForgotten => None,
     });
+}
+
+/// Within, the root's argument is off by 24 U of the squared reach (differences, squares and sums), which the root turns
+/// into min(q/2√, √q); the sum adds 8 U of the reach. On the sphere, what leads out has no way through it.
+#[test]
+fn distances_within_spheres_are_the_twins() {
+    let context = context();
+    let function = Function {
+        imports: "import package::light::sphere::{distance_within_sphere, within_sphere};",
+        body: "out_f32(0u, distance_within_sphere(in_vec3f(0u), in_f32(3u), in_vec3f(4u), in_vec3f(7u)));
+               out_bool(1u, within_sphere(in_vec3f(0u), in_f32(3u), in_vec3f(4u)));",
+        inputs: 10,
+        outputs: 2,
+        features: &[],
+    };
+    let mut random = Random::new(98);
+    let mut cases = Vec::new();
+    for i in 0..20_000 {
+        let center = random.in_cube();
+        let radius = random.between(0.1, 2.0);
+        let way = [0.0, 0.5, 0.999, 1.0, 1.01][i % 5];
+        let outwards = random.direction();
+        let x = rounded(center + way * radius * outwards);
+        cases.push((center, radius, x, way, random.direction()));
+    }
+    let inputs: Vec<f64> = cases
+        .iter()
+        .flat_map(|(c, r, x, _, w)| {
+            [c.to_array(), [*r, x.x, x.y], [x.z, w.x, w.y]]
+                .concat()
+                .into_iter()
+                .chain([w.z])
+        })
+        .collect();
+    let answers = call(&context, &function, &words(&inputs));
+    for ((c, r, x, way, w), (t, within)) in cases.iter().zip(answers.f64(0).zip(answers.u32(1))) {
+        let what = format!("{}: {x} in {c}, {r}, towards {w}", context.adapter.name);
+        assert_eq!(within == 1, within_sphere(*c, *r, *x), "{what}");
+        assert_eq!(within == 1, *way <= 1.0, "{what}");
+        let along = (*c - *x).dot(*w);
+        // On the sphere and along it, rounding decides.
+        if *way > 1.0 || (*way == 1.0 && along.abs() < 1e-5) {
+            continue;
+        }
+        let reach = r + c.length();
+        let root = (t - along).abs();
+        let q = 24.0 * U * reach * reach;
+        let bound = (0.5 * q / root.max(1e-9)).min(q.sqrt()) + 8.0 * U * reach;
+        assert_near(
+            t,
+            distance_within_sphere(*c, *r, *x, *w),
+            2.0 * bound,
+            &what,
+        );
+        if *way == 1.0 && along < 0.0 {
+            assert_eq!(t, 0.0, "{what}");
+        }
+    }
 }
