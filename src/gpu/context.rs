@@ -156,10 +156,9 @@ impl Context {
             first = first.or(error);
         }
         match first {
-            Some(wgpu::Error::OutOfMemory { source }) => Err(GpuError::OutOfMemory {
-                adapter: self.adapter.name.clone(),
-                message: source.to_string(),
-            }),
+            Some(wgpu::Error::OutOfMemory { source }) => {
+                Err(out_of_memory(&self.adapter.name, &*source))
+            }
             Some(error) => Err(self.driver_error(error.to_string())),
             None => match self.trouble() {
                 Some(trouble) => Err(trouble),
@@ -232,6 +231,16 @@ impl Context {
     }
 }
 
+fn out_of_memory(adapter: &str, source: &dyn std::error::Error) -> GpuError {
+    // wgpu's own words say no more than the variant; what led to it does.
+    let causes = std::iter::successors(Some(source), |e| e.source());
+    let causes: Vec<_> = causes.map(ToString::to_string).collect();
+    GpuError::OutOfMemory {
+        adapter: adapter.to_owned(),
+        message: causes.join(": "),
+    }
+}
+
 fn locked(troubles: &Mutex<Troubles>) -> std::sync::MutexGuard<'_, Troubles> {
     troubles.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -242,4 +251,17 @@ pub(crate) fn matches(adapter: &wgpu::Adapter, wanted: &str) -> bool {
     [&facts.name, &facts.driver]
         .iter()
         .any(|s| s.to_lowercase().contains(&wanted))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn running_out_of_memory_names_the_adapter_and_a_way_out() {
+        let source = std::io::Error::other("buffer `direct.pixels`: 64 MiB");
+        let error = out_of_memory("Some GPU", &source).to_string();
+        assert!(error.starts_with("Some GPU: out of memory: buffer `direct.pixels`"));
+        assert!(error.contains("a smaller image or scene"), "{error}");
+    }
 }

@@ -13,7 +13,7 @@
 //! the variance (2V)², with V the variance of the image's pixel, and E((a − b)/2)⁴ = 3V² tells it: exactly where errors are
 //! normal, too large where their tails are heavier.
 
-use super::film::Film;
+use super::film::{Film, Pixel};
 use super::neighbourhood::box_mean;
 use crate::scene::{FilmSize, Sampler};
 use crate::stats::interval::{Interval, student};
@@ -61,11 +61,11 @@ impl Film {
         if floor <= 0.0 {
             return None;
         }
-        let truth = self.truth(&noise);
+        let truth = self.squared_truth(&noise)?;
         let terms = noise.par_iter().zip(&truth).map(|(noise, truth)| {
             let (mut term, mut with_noise) = (0.0, 0.0);
             for c in 0..3 {
-                let denominator = truth[c] * truth[c] + floor;
+                let denominator = truth[c] + floor;
                 term += noise[c] / denominator / 3.0;
                 with_noise += noise[c] / (denominator + noise[c]) / 3.0;
             }
@@ -113,13 +113,17 @@ impl Film {
         Some(scaled.collect())
     }
 
-    /// What the image suggests for the truth, pixel by pixel; `noise` are squares of each pixel's noise.
+    /// What the image suggests for the square of the truth, pixel by pixel; `noise` are squares of each pixel's noise.
     ///
-    /// A pixel's own value would not do: where it is too bright by chance, its error would be divided by the too bright
-    /// value, and where samples are skewed that is just where the error is large. So it is the local mean as far as the
-    /// pixels around differ by no more than their noise, whose mean over so few pixels is known to a factor of two (Lee
-    /// 1980, "Digital Image Enhancement and Noise Filtering by Use of Local Statistics").
-    fn truth(&self, noise: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    /// A pixel's own square would not do: where it is too bright by chance, its error would be divided by the too bright
+    /// value, and where samples are skewed that is just where the error is large. So it is first the local mean as far as
+    /// the pixels around differ by no more than their noise, whose mean over so few pixels is known to a factor of two (Lee
+    /// 1980, "Digital Image Enhancement and Noise Filtering by Use of Local Statistics"). With x the value found so and h
+    /// half the difference of what the replicates say, the square is x²·(1 − (h/x)⁴): x² where they agree, and 0 where one of
+    /// them alone has met any light, as at the edge of a lamp that a hundredth of the pixel sees.
+    fn squared_truth(&self, noise: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
+        let replicates: Option<Vec<_>> = self.pixels.iter().map(Pixel::replicates).collect();
+        let replicates = replicates?;
         let values: Vec<_> = self.pixels.iter().map(|p| p.mean).collect();
         let squares: Vec<_> = values.iter().map(|v| v.map(|v| v * v)).collect();
         let around = |values: &[[f64; 3]]| box_mean(values, self.size, MEAN_RADIUS);
@@ -130,10 +134,13 @@ impl Film {
                 let spread = squares[i][c] - mean * mean;
                 let signal = (spread - 2.0 * noise[i][c]).max(0.0);
                 let keep = if spread > 0.0 { signal / spread } else { 0.0 };
-                mean + keep * (values[i][c] - mean)
+                let [a, b] = replicates[i].map(|r| mean + keep * (r[c] - mean));
+                let (square, noise) = ((0.5 * (a + b)).powi(2), (0.5 * (a - b)).powi(2));
+                let share = if square > noise { noise / square } else { 1.0 };
+                square * (1.0 - share * share)
             })
         });
-        truth.collect()
+        Some(truth.collect())
     }
 
     fn squared_half_differences(&self) -> Option<Vec<[f64; 3]>> {

@@ -58,6 +58,15 @@ impl Pixel {
         (self.samples > 1).then(|| self.m2.map(|m2| m2 / (n * (n - 1.0))))
     }
 
+    /// The two replicates' means; `None` while one has no sample.
+    pub fn replicates(&self) -> Option<[[f64; 3]; 2]> {
+        let first = (self.samples - self.second_samples) as f64;
+        let part = self.second_samples as f64 / first;
+        let of_first = |c: usize| self.mean[c] + (self.mean[c] - self.second_mean[c]) * part;
+        (first > 0.0 && self.second_samples > 0)
+            .then(|| [[0, 1, 2].map(of_first), self.second_mean])
+    }
+
     /// Per channel half the difference of the two replicates, scaled where their numbers of samples a and b differ: it has
     /// the mean zero and the variance of the mean over all samples. `None` while a replicate has no sample.
     ///
