@@ -1,6 +1,8 @@
 //! `docs/hard-cases.md` and what it is made of.
 
 mod accumulation;
+mod corner;
+mod moved;
 
 use crate::support::hard_cases::document::{missing, page, results, text_of};
 
