@@ -2,7 +2,9 @@
 
 mod accumulation;
 mod corner;
+mod meshes;
 mod moved;
+mod ray_ends;
 
 use crate::support::hard_cases::document::{missing, page, results, text_of};
 

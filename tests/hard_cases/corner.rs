@@ -71,7 +71,10 @@ fn irradiance(context: &Context, scene: &Scene, strategy: Strategy) -> Moments {
     let mut scene = scene.clone();
     scene.render.strategy = strategy;
     let film = render(context, scene);
-    assert_eq!(film.ledger.dropped, 0, "{strategy}: samples that are not finite");
+    assert_eq!(
+        film.ledger.dropped, 0,
+        "{strategy}: samples that are not finite"
+    );
     let mut all = Moments::default();
     for pixel in &film.pixels {
         all.merge(&pixel.channel(0));
@@ -101,7 +104,6 @@ fn means_are_right(scene: &Scene, exact: f64, by_area: f64, what: &str) {
         let variance = (strategy == Strategy::LightArea).then_some(by_area);
         let what = format!("{what}, {strategy}, {}", context.adapter.name);
         statistics::accept(p_value(&found, exact, variance), &what);
-        println!("{what}: {} {exact}", found.mean);
         if strategy == Strategy::MisPower {
             // Power: an irradiance that is 3 % brighter is not taken for this one.
             statistics::reject(p_value(&found, 1.03 * exact, None), &what);
