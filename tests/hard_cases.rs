@@ -2,6 +2,8 @@
 
 mod accumulation;
 mod corner;
+mod horizon;
+mod input;
 mod meshes;
 mod moved;
 mod ray_ends;

@@ -76,7 +76,7 @@ fn scaled(scene: Scene, s: f64) -> Scene {
     mapped(scene, |p| s * p, |v| s * v, |l| s * l)
 }
 
-fn prepared(scene: Scene) -> Prepared {
+pub(super) fn prepared(scene: Scene) -> Prepared {
     let settings = scene.render;
     Prepared::new(scene, settings.strategy, settings.light_selection)
 }
@@ -115,14 +115,14 @@ fn in_world_space(scene: Scene) -> Prepared {
     p
 }
 
-fn film(context: &Context, prepared: &Prepared) -> Film {
+pub(super) fn film(context: &Context, prepared: &Prepared) -> Film {
     let mut session = Session::new(context, prepared, prepared.scene.film, 17).unwrap();
     take(&mut session, 16);
     session.snapshot().unwrap().0
 }
 
 /// mean |a − b| / mean |a|; infinite where a sample of `b` is missing.
-fn difference(a: &Film, b: &Film) -> f64 {
+pub(super) fn difference(a: &Film, b: &Film) -> f64 {
     let pairs = || a.pixels.iter().zip(&b.pixels);
     if pairs().any(|(a, b)| a.samples != b.samples) {
         return f64::INFINITY;
