@@ -138,11 +138,10 @@ pub(super) fn difference(a: &Film, b: &Film) -> f64 {
 
 /// Largest difference over [`SCENES`], between the originals and what `way` makes of them.
 fn largest(context: &Context, originals: &[Film], way: impl Fn(Scene) -> Prepared) -> f64 {
-    let differences = SCENES.iter().zip(originals).map(|(name, a)| {
-        let of_scene = difference(a, &film(context, &way(original(name))));
-        println!("{name}: {of_scene:.2e}");
-        of_scene
-    });
+    let differences = SCENES
+        .iter()
+        .zip(originals)
+        .map(|(name, a)| difference(a, &film(context, &way(original(name)))));
     differences.fold(0.0, f64::max)
 }
 
@@ -176,7 +175,6 @@ fn a_scaled_scene_renders_like_the_original() {
         (1e-6, "three scenes scaled by 10⁻⁶"),
         (1e6, "three scenes scaled by 10⁶"),
     ] {
-        println!("{case}");
         let ours = largest(&context, &originals, |x| prepared(scaled(x, s)));
         let naive = largest(&context, &originals, |x| in_world_space(scaled(x, s)));
         survive(

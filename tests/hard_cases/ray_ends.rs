@@ -329,12 +329,6 @@ fn rays_neither_stop_at_their_own_surface_nor_leak_at_any_scale_and_offset() {
              out_bool(2u, lit && any_hit(shadow_ray(s, light.target_point), 1.0));"
         );
         let answers = trace(&context, &prepared, &rays, 3, &body);
-        println!(
-            "{scale:e} {offset:e}: {} {} {}",
-            count(&answers, 0),
-            count(&answers, 1),
-            count(&answers, 2)
-        );
         ours += count(&answers, 0) + count(&answers, 2);
         naive += count(&answers, 1);
     }
