@@ -2,6 +2,7 @@
 
 mod accumulation;
 mod corner;
+mod hierarchy;
 mod horizon;
 mod input;
 mod meshes;
