@@ -105,7 +105,7 @@ fn a_closed_mesh_lets_no_ray_out() {
 }
 
 /// As in the report to Embree (issue 387): a triangle with edges of 11.2, 9.7 and 1.4, less than 600 away, in rays at
-/// half a degree to its plane. What is hit is hit within the triangle's own range along the ray.
+/// half a degree and less to its plane. What is hit is hit within the triangle's own range along the ray.
 #[test]
 fn grazed_slivers_are_hit_where_they_are() {
     let context = context();
@@ -123,7 +123,7 @@ fn grazed_slivers_are_hit_where_they_are() {
         let [a, b, c] = [a, b, c].map(rounded);
         let azimuth = TAU * random.uniform();
         let flat = along * azimuth.cos() + across * azimuth.sin();
-        let d = (flat + 0.0091 * normal).normalize();
+        let d = (flat + random.magnitude(1e-4, 0.0091) * normal).normalize();
         let at = a.lerp(b, random.uniform()).lerp(c, random.uniform());
         let origin = rounded(at - d * random.between(10.0, 250.0));
         let d = rounded(d);
@@ -162,7 +162,7 @@ fn grazed_slivers_are_hit_where_they_are() {
         &context,
         Measured {
             entry: "G2",
-            case: "triangles of 11.2 × 9.7 × 1.4 up to 600 away, at half a degree",
+            case: "triangles of 11.2 × 9.7 × 1.4 up to 600 away, at half a degree and less",
             figure: "hits beyond the triangle",
             bound: 0.0,
             textbook: "distance from the plane's equation",
