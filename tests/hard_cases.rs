@@ -2,10 +2,17 @@
 
 mod accumulation;
 mod cameras;
+mod corner;
 mod device;
+mod hierarchy;
+mod horizon;
+mod input;
 mod irradiance;
 mod lights;
+mod meshes;
 mod microfacets;
+mod moved;
+mod ray_ends;
 mod samplers;
 mod solid_angles;
 mod weights;

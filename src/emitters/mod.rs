@@ -80,7 +80,7 @@ impl Emitters {
         }
         for light in &scene.lights {
             let light = normalized(light, normalization);
-            let of_light = delta_power(&light);
+            let of_light = delta_power(&light, normalization.radius);
             if of_light > 0.0 {
                 power.push(of_light);
                 lights.push(Emitter::Delta(light));
@@ -88,7 +88,7 @@ impl Emitters {
         }
         let mut grid = None;
         if let Some(environment) = &scene.environment {
-            let of_environment = environment_power(environment);
+            let of_environment = environment_power(environment, normalization.radius);
             if of_environment > 0.0 {
                 power.push(of_environment);
                 lights.push(Emitter::Environment);
@@ -170,8 +170,9 @@ fn normalized(light: &Light, n: &Normalization) -> Light {
     }
 }
 
-/// Power of a normalised light; directional lights and the environment shine on a scene of radius 1.
-fn delta_power(light: &Light) -> f64 {
+/// Power of a normalised light. Directional lights and the environment shine on the sphere of `radius`: the scene's, so
+/// that how often each light is chosen does not depend on the unit of length.
+fn delta_power(light: &Light, radius: f64) -> f64 {
     match *light {
         Light::Point { intensity, .. } => 4.0 * PI * luminance(intensity),
         Light::Spot {
@@ -183,11 +184,11 @@ fn delta_power(light: &Light) -> f64 {
             let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
             2.0 * PI * ((1.0 - inner) + (inner - outer) / 3.0) * luminance(intensity)
         }
-        Light::Directional { irradiance, .. } => PI * luminance(irradiance),
+        Light::Directional { irradiance, .. } => PI * radius * radius * luminance(irradiance),
     }
 }
 
-fn environment_power(environment: &Environment) -> f64 {
+fn environment_power(environment: &Environment, radius: f64) -> f64 {
     let mean = match &environment.radiance {
         EnvironmentRadiance::Constant(radiance) => luminance(*radiance),
         EnvironmentRadiance::Map(map) => {
@@ -204,7 +205,7 @@ fn environment_power(environment: &Environment) -> f64 {
             rows.sum()
         }
     };
-    4.0 * PI * PI * mean * environment.scale
+    4.0 * PI * PI * radius * radius * mean * environment.scale
 }
 
 /// Luminance of a texel.

@@ -15,6 +15,8 @@ pub struct Normalization {
     pub center: DVec3,
     /// A power of two.
     pub scale: f64,
+    /// Half the longest side of the geometry's box, normalised space: above ½ and at most 1; 1 without geometry.
+    pub radius: f64,
 }
 
 impl Normalization {
@@ -24,13 +26,16 @@ impl Normalization {
             return Self {
                 center: scene.camera.eye,
                 scale: 1.0,
+                radius: 1.0,
             };
         };
         let half = 0.5 * (high - low).max_element();
         let exponent = if half > 0.0 { -half.log2().ceil() } else { 0.0 };
+        let scale = exponent.clamp(-1000.0, 1000.0).exp2();
         Self {
             center: 0.5 * (low + high),
-            scale: exponent.clamp(-1000.0, 1000.0).exp2(),
+            scale,
+            radius: if half > 0.0 { half * scale } else { 1.0 },
         }
     }
 

@@ -31,7 +31,7 @@ use crate::reference::light::light::{
     pdf_environment, sample_chosen_light,
 };
 use crate::reference::scene::fetch::World;
-use crate::reference::scene::surface::{Surface, surface_at};
+use crate::reference::scene::surface::{Surface, shadow_ray, surface_at};
 use crate::reference::scene::trace::{any_hit, closest_hit};
 use crate::render::Prepared;
 use crate::scene::FilmSize;
@@ -254,11 +254,7 @@ impl<'a> Direct<'a> {
             return DVec3::ZERO;
         }
         sample.path.shadow.traced += 1;
-        let ray = Ray {
-            origin: s.origin,
-            direction: light.target_point - s.origin,
-        };
-        if any_hit(&self.world, &ray, 1.0) {
+        if any_hit(&self.world, &shadow_ray(s, light.target_point), 1.0) {
             return DVec3::ZERO;
         }
         sample.path.shadow.clear += 1;

@@ -60,3 +60,13 @@ pub fn surface_at(world: &World<'_>, ray: &Ray, hit: &Hit, wo: DVec3) -> Surface
         front,
     }
 }
+
+/// The segment from a surface to a point above its plane, parameter 0 to 1, which never comes nearer to the plane than it
+/// begins.
+pub fn shadow_ray(s: &Surface, target_point: DVec3) -> Ray {
+    let segment = target_point - s.origin;
+    Ray {
+        origin: s.origin,
+        direction: segment + s.frame.z * (-s.frame.z.dot(segment)).max(0.0),
+    }
+}

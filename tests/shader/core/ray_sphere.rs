@@ -1,6 +1,7 @@
 //! `shaders/core/ray_sphere.wesl`.
 
 use crate::support::context;
+use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::{Random, rounded};
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call, words};
@@ -127,6 +128,89 @@ fn sphere_intersections_are_the_twins() {
         }
     }
     assert!(compared[0] > 10_000 && compared[1] > 50_000, "{compared:?}");
+}
+
+/// The roots of |o + t·d − c|² = r² by the quadratic formula.
+const TEXTBOOK: Function<'_> = Function {
+    imports: "",
+    body: "let oc = in_vec3f(0u) - in_vec3f(6u);
+           let d = in_vec3f(3u);
+           let a = dot(d, d);
+           let b = 2.0 * dot(oc, d);
+           let c = dot(oc, oc) - in_f32(9u) * in_f32(9u);
+           let discriminant = b * b - 4.0 * a * c;
+           out_bool(0u, discriminant >= 0.0);
+           let root = sqrt(max(discriminant, 0.0));
+           out_f32(1u, (-b - root) / (2.0 * a));
+           out_f32(2u, (-b + root) / (2.0 * a));",
+    inputs: 10,
+    outputs: 3,
+    features: &[],
+};
+
+/// Spheres that are hit or missed though the exact discriminant is beyond rounding, and largest error of the nearer root in
+/// units of its bound.
+fn mistakes(function: &Function<'_>, cases: &[Case]) -> (f64, f64) {
+    let inputs: Vec<u32> = cases.iter().flat_map(Case::words).collect();
+    let answers = call(&context(), function, &inputs);
+    let (mut wrong, mut largest) = (0.0, 0.0_f64);
+    for (case, (exists, near)) in cases.iter().zip(answers.u32(0).zip(answers.f64(1))) {
+        let (square, off_square, [off_near, _]) = case.bounds();
+        if square.abs() <= off_square {
+            continue;
+        }
+        let expected = intersect_sphere(&case.ray, case.center, case.radius);
+        if expected.is_some() != (exists == 1) {
+            wrong += 1.0;
+        } else if let Some((t, _)) = expected {
+            largest = largest.max((near - t).abs() * case.ray.direction.length() / off_near);
+        }
+    }
+    (wrong, largest)
+}
+
+#[test]
+fn distant_spheres_are_hit_where_they_are() {
+    let mut random = Random::new(28);
+    let cases: Vec<Case> = (0..100_000)
+        .map(|_| {
+            let radius = random.magnitude(1e-3, 1.0);
+            let distance = radius * random.magnitude(10.0, 1e4);
+            let direction = random.direction().normalize();
+            let aside = direction.any_orthonormal_vector() * radius * random.between(0.0, 1.5);
+            let origin = random.in_cube();
+            Case::new(
+                origin,
+                direction,
+                origin + distance * direction + aside,
+                radius,
+            )
+        })
+        .collect();
+    let (naive, ours) = (mistakes(&TEXTBOOK, &cases), mistakes(&INTERSECT, &cases));
+    let case = "spheres 10 to 10⁴ radii away, 10⁵ rays";
+    for (figure, bound, naive, ours) in [
+        ("spheres wrongly hit or missed", 0.0, naive.0, ours.0),
+        (
+            "error of the distance, over the rounding of coordinates",
+            1.0,
+            naive.1,
+            ours.1,
+        ),
+    ] {
+        survive(
+            &context(),
+            Measured {
+                entry: "G8",
+                case,
+                figure,
+                bound,
+                textbook: "quadratic formula",
+                naive,
+                ours,
+            },
+        );
+    }
 }
 
 /// From the centre, from the surface inwards and outwards, along a tangent, from behind, a point: finite, and which

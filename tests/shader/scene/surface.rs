@@ -202,3 +202,49 @@ fn surfaces_are_the_twins_on_both_sides() {
 fn is_front(i: usize) -> bool {
     (i % 200).is_multiple_of(2)
 }
+
+/// To points above the plane the segment ends there; to points below the origin it runs level with the plane, up to the
+/// rounding of a dot product (3 U) and of a sum.
+#[test]
+fn shadow_rays_do_not_descend() {
+    let context = context();
+    let prepared = every();
+    let function = Function {
+        imports: "import package::core::frame::frame_from_normal;
+                  import package::scene::fetch::Material;
+                  import package::scene::surface::{Surface, shadow_ray};",
+        body: "let f = frame_from_normal(in_vec3f(3u));
+               let material = Material(vec3f(0.0), vec3f(0.0), 0.0);
+               let s = Surface(in_vec3f(0u), in_vec3f(0u), f, vec3f(0.0), material, 0u, true);
+               let ray = shadow_ray(s, in_vec3f(6u));
+               out_vec3f(0u, ray.origin); out_vec3f(3u, ray.direction);",
+        inputs: 9,
+        outputs: 6,
+        features: &[],
+    };
+    let cases: Vec<[DVec3; 3]> = (0..10_000)
+        .map(|i| {
+            let [a, b, c, d] = numbers(i, 1, 24);
+            let [x, y, z, _] = numbers(i, 2, 24);
+            let normal = rounded(sample_sphere_area(DVec2::new(a, b)));
+            let origin = rounded(DVec3::new(c, d, x));
+            let across = normal.any_orthonormal_vector() * y;
+            [
+                origin,
+                normal,
+                rounded(origin + across + normal * (z - 0.5)),
+            ]
+        })
+        .collect();
+    let inputs: Vec<f64> = cases.iter().flatten().flat_map(|v| v.to_array()).collect();
+    let answers = call_in(&context, &prepared, &function, &words(&inputs), cases.len());
+    let found = answers.vec3(0).zip(answers.vec3(3));
+    for (&[origin, normal, target], (from, d)) in cases.iter().zip(found) {
+        let what = format!("{}: {origin} {normal} {target}", context.adapter.name);
+        let up = normal.dot(target - origin);
+        let expected = target - origin + normal * (-up).max(0.0);
+        assert_eq!(from, origin, "{what}");
+        assert!((d - expected).length() < 16.0 * U, "{what}: {d}");
+        assert!(normal.dot(d) > -16.0 * U, "{what}: {d}");
+    }
+}

@@ -1,0 +1,193 @@
+//! Scenes far from the origin, tiny and huge ones render like the original: HARD CASES G3, P2.
+
+use crate::support::hard_cases::{Measured, survive};
+use crate::support::{context, scene, take};
+use direkt::accel;
+use direkt::emitters::Emitters;
+use direkt::gpu::Context;
+use direkt::render::{Film, Prepared, Session};
+use direkt::scene::normalize::Normalization;
+use direkt::scene::{
+    FilmSize, Geometry, Light, LightSampling, LightSelection, Sampler, Scene, Strategy,
+};
+use glam::DVec3;
+
+const SCENES: [&str; 3] = ["cornell", "veach", "spot_and_sun"];
+/// Relative difference of images (mean |a − b| over mean |a|, same seed).
+const BOUND: f64 = 1e-5;
+
+/// A scene of `scenes/`, as this test renders it: lights are chosen by power, so that one that is weighed by the unit of
+/// length would be noticed.
+fn original(name: &str) -> Scene {
+    let mut scene = scene(&format!("scenes/{name}.toml"));
+    scene.film = FilmSize {
+        width: 64,
+        height: 64,
+    };
+    scene.render.strategy = Strategy::MisPower;
+    scene.render.light_sampling = LightSampling::SolidAngle;
+    scene.render.light_selection = LightSelection::Power;
+    scene.render.sampler = Sampler::Independent;
+    scene
+}
+
+/// `scene` with every position mapped by `point` and every length by `length`; lights without extent grow with the square.
+fn mapped(
+    mut scene: Scene,
+    point: impl Fn(DVec3) -> DVec3,
+    vector: impl Fn(DVec3) -> DVec3,
+    length: impl Fn(f64) -> f64,
+) -> Scene {
+    scene.camera.eye = point(scene.camera.eye);
+    for shape in &mut scene.shapes {
+        match &mut shape.geometry {
+            Geometry::Rectangle { corner: p, u, v } | Geometry::Disk { center: p, u, v } => {
+                (*p, *u, *v) = (point(*p), vector(*u), vector(*v));
+            }
+            Geometry::Sphere { center, radius } => {
+                (*center, *radius) = (point(*center), length(*radius));
+            }
+            Geometry::Mesh(mesh) => mesh.positions.iter_mut().for_each(|p| *p = point(*p)),
+        }
+    }
+    let square = length(1.0) * length(1.0);
+    for light in &mut scene.lights {
+        if let Light::Point {
+            position,
+            intensity,
+        }
+        | Light::Spot {
+            position,
+            intensity,
+            ..
+        } = light
+        {
+            (*position, *intensity) = (point(*position), *intensity * square);
+        }
+    }
+    scene
+}
+
+fn moved(scene: Scene, offset: DVec3) -> Scene {
+    mapped(scene, |p| p + offset, |v| v, |l| l)
+}
+
+fn scaled(scene: Scene, s: f64) -> Scene {
+    mapped(scene, |p| s * p, |v| s * v, |l| s * l)
+}
+
+pub(super) fn prepared(scene: Scene) -> Prepared {
+    let settings = scene.render;
+    Prepared::new(scene, settings.strategy, settings.light_selection)
+}
+
+/// The textbook's way: positions are rounded to f32 in world space. A corner's edges come with it.
+fn rounded_in_world_space(mut scene: Scene) -> Scene {
+    let round = |p: DVec3| p.as_vec3().as_dvec3();
+    for shape in &mut scene.shapes {
+        if let Geometry::Rectangle { corner: p, u, v } | Geometry::Disk { center: p, u, v } =
+            &mut shape.geometry
+        {
+            (*u, *v) = (round(*p + *u) - round(*p), round(*p + *v) - round(*p));
+        }
+    }
+    mapped(scene, round, |v| v, |l| f64::from(l as f32))
+}
+
+/// The textbook's way: the scene is not normalised at all.
+fn in_world_space(scene: Scene) -> Prepared {
+    let mut p = prepared(scene);
+    p.normalization = Normalization {
+        center: DVec3::ZERO,
+        scale: 1.0,
+        radius: 1.0,
+    };
+    p.primitives = accel::primitives(&p.scene, &p.normalization);
+    p.bvh = accel::build(&mut p.primitives);
+    let settings = p.scene.render;
+    p.emitters = Emitters::new(
+        &p.scene,
+        &p.normalization,
+        &p.primitives,
+        settings.strategy,
+        settings.light_selection,
+    );
+    p
+}
+
+pub(super) fn film(context: &Context, prepared: &Prepared) -> Film {
+    let mut session = Session::new(context, prepared, prepared.scene.film, 17).unwrap();
+    take(&mut session, 16);
+    session.snapshot().unwrap().0
+}
+
+/// mean |a − b| / mean |a|; infinite where a sample of `b` is missing.
+pub(super) fn difference(a: &Film, b: &Film) -> f64 {
+    let pairs = || a.pixels.iter().zip(&b.pixels);
+    if pairs().any(|(a, b)| a.samples != b.samples) {
+        return f64::INFINITY;
+    }
+    let over = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
+        let of_pixel = |(a, b): (&direkt::render::Pixel, &direkt::render::Pixel)| -> f64 {
+            (0..3).map(|c| f(a.mean[c], b.mean[c])).sum()
+        };
+        pairs().map(of_pixel).sum()
+    };
+    over(&|a, b| (a - b).abs()) / over(&|a, _| a.abs())
+}
+
+/// Largest difference over [`SCENES`], between the originals and what `way` makes of them.
+fn largest(context: &Context, originals: &[Film], way: impl Fn(Scene) -> Prepared) -> f64 {
+    let differences = SCENES
+        .iter()
+        .zip(originals)
+        .map(|(name, a)| difference(a, &film(context, &way(original(name)))));
+    differences.fold(0.0, f64::max)
+}
+
+#[test]
+fn a_moved_scene_renders_like_the_original() {
+    let context = context();
+    let originals = SCENES.map(|name| film(&context, &prepared(original(name))));
+    let offset = DVec3::new(1e7, -1e7, 1e7);
+    survive(
+        &context,
+        Measured {
+            entry: "G3",
+            case: "three scenes moved by 10⁷",
+            figure: "relative difference of the image",
+            bound: BOUND,
+            textbook: "positions in f32 in world space",
+            naive: largest(&context, &originals, |s| {
+                prepared(rounded_in_world_space(moved(s, offset)))
+            }),
+            ours: largest(&context, &originals, |s| prepared(moved(s, offset))),
+        },
+    );
+}
+
+#[test]
+fn a_scaled_scene_renders_like_the_original() {
+    let context = context();
+    let originals = SCENES.map(|name| film(&context, &prepared(original(name))));
+    for (s, case) in [
+        (1e-12, "three scenes scaled by 10⁻¹²"),
+        (1e-6, "three scenes scaled by 10⁻⁶"),
+        (1e6, "three scenes scaled by 10⁶"),
+    ] {
+        let ours = largest(&context, &originals, |x| prepared(scaled(x, s)));
+        let naive = largest(&context, &originals, |x| in_world_space(scaled(x, s)));
+        survive(
+            &context,
+            Measured {
+                entry: "P2",
+                case,
+                figure: "relative difference of the image",
+                bound: BOUND,
+                textbook: "lengths in f32 in world space",
+                naive,
+                ours,
+            },
+        );
+    }
+}
