@@ -119,8 +119,8 @@ impl Film {
     /// value, and where samples are skewed that is just where the error is large. So it is first the local mean as far as
     /// the pixels around differ by no more than their noise, whose mean over so few pixels is known to a factor of two (Lee
     /// 1980, "Digital Image Enhancement and Noise Filtering by Use of Local Statistics"). With x the value found so and h
-    /// half the difference of what the replicates say, the square is x²·(1 − (h/x)⁴): x² where they agree, and 0 where one of
-    /// them alone has met any light, as at the edge of a lamp that a hundredth of the pixel sees.
+    /// half the difference of what the replicates say, r² is taken as x² − h²·(1 − h²/x²): without the noise h² in x², but x²
+    /// itself where one replicate alone has met any light (h = x), as nothing is known of such a pixel.
     fn squared_truth(&self, noise: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
         let replicates: Option<Vec<_>> = self.pixels.iter().map(Pixel::replicates).collect();
         let replicates = replicates?;
@@ -137,7 +137,7 @@ impl Film {
                 let [a, b] = replicates[i].map(|r| mean + keep * (r[c] - mean));
                 let (square, noise) = ((0.5 * (a + b)).powi(2), (0.5 * (a - b)).powi(2));
                 let share = if square > noise { noise / square } else { 1.0 };
-                square * (1.0 - share * share)
+                square * (1.0 - share * (1.0 - share))
             })
         });
         Some(truth.collect())

@@ -1,8 +1,8 @@
 //! What files hold that cannot be rendered: HARD CASES I1, I2.
 
-use super::moved::{difference, film, prepared};
+use super::moved::{difference, film};
 use crate::support::hard_cases::{Measured, survive};
-use crate::support::{context, scene};
+use crate::support::{context, prepared, scene};
 use direkt::render::Prepared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{

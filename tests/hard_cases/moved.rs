@@ -1,7 +1,7 @@
 //! Scenes far from the origin, tiny and huge ones render like the original: HARD CASES G3, P2.
 
 use crate::support::hard_cases::{Measured, survive};
-use crate::support::{context, scene, take};
+use crate::support::{context, prepared, scene, take};
 use direkt::accel;
 use direkt::emitters::Emitters;
 use direkt::gpu::Context;
@@ -74,11 +74,6 @@ fn moved(scene: Scene, offset: DVec3) -> Scene {
 
 fn scaled(scene: Scene, s: f64) -> Scene {
     mapped(scene, |p| s * p, |v| s * v, |l| s * l)
-}
-
-pub(super) fn prepared(scene: Scene) -> Prepared {
-    let settings = scene.render;
-    Prepared::new(scene, settings.strategy, settings.light_selection)
 }
 
 /// The textbook's way: positions are rounded to f32 in world space. A corner's edges come with it.

@@ -1,7 +1,8 @@
 //! A sample that is no number is dropped and counted, never shown.
 
-use crate::support::{context, floor_pixel, point_light, render};
-use direkt::scene::{FilmSize, Strategy};
+use super::test_scenes::test_scenes;
+use crate::support::{context, floor_pixel, own_scenes, point_light, render};
+use direkt::scene::{FilmSize, Sampler, Strategy};
 use glam::DVec3;
 
 #[test]
@@ -35,4 +36,20 @@ fn overflowing_samples_are_dropped_and_counted() {
     scene.lights[0] = point_light(DVec3::new(0.0, 0.0, 1e-3), 1.0);
     let film = render(&context, scene);
     assert_eq!(film.ledger.dropped, 0);
+}
+
+/// Every scene of the project as it is: those of `scenes/` with 2²⁴ samples, those of `scenes/tests/` with 2²⁰ each.
+#[test]
+fn no_scene_has_a_sample_that_is_not_finite() {
+    let context = context();
+    let own = own_scenes().into_iter().map(|(_, scene)| (scene, 1 << 24));
+    let tests = test_scenes().into_iter().map(|(_, scene)| (scene, 1 << 20));
+    for (mut scene, samples) in own.chain(tests) {
+        scene.render.sampler = Sampler::Sobol;
+        scene.render.spp = samples / scene.film.pixels() as u64;
+        let name = scene.source.display().to_string();
+        let film = render(&context, scene);
+        assert_eq!(film.ledger.dropped, 0, "{name}: {:?}", film.ledger);
+        assert!(film.sample_range().0 > 0, "{name}");
+    }
 }

@@ -5,7 +5,7 @@ use direkt::render::{Check, Film};
 use direkt::scene::{Expect, ExpectedRadiance, Light, Scene};
 
 /// Every scene of `scenes/tests/`, by name.
-fn test_scenes() -> Vec<(String, Scene)> {
+pub fn test_scenes() -> Vec<(String, Scene)> {
     let mut names: Vec<_> = std::fs::read_dir(project("scenes/tests"))
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())

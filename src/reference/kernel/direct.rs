@@ -237,6 +237,9 @@ impl<'a> Direct<'a> {
         u: LightNumbers,
         sample: &mut Sample,
     ) -> DVec3 {
+        if s.own_light == Some(choice.index) {
+            return DVec3::ZERO;
+        }
         let Some(light) = self.sample_light(s, choice, u) else {
             return DVec3::ZERO;
         };

@@ -27,6 +27,8 @@ pub struct Surface {
     pub material: BsdfParameters,
     /// Index of the light that the surface belongs to.
     pub light: Option<u32>,
+    /// The same where that light is flat, so that it does not shine on the surface.
+    pub own_light: Option<u32>,
     /// Whether the viewer is on the front.
     pub front: bool,
 }
@@ -47,6 +49,7 @@ pub fn surface_at(world: &World<'_>, ray: &Ray, hit: &Hit, wo: DVec3) -> Surface
             (center + radius * normal, normal, max_abs(center) + radius)
         }
     };
+    let flat = !matches!(p.geometry, PrimitiveGeometry::Sphere { .. });
     let front = normal.dot(wo) >= 0.0;
     let facing = if front { normal } else { -normal };
     let frame = frame_from_normal(facing);
@@ -57,6 +60,7 @@ pub fn surface_at(world: &World<'_>, ray: &Ray, hit: &Hit, wo: DVec3) -> Surface
         wo: to_local(&frame, wo),
         material: p.material,
         light: p.light,
+        own_light: p.light.filter(|_| flat),
         front,
     }
 }

@@ -113,9 +113,9 @@ fn surfaces_are_the_twins_on_both_sides() {
                out_vec3f(0u, s.position); out_vec3f(3u, s.origin);
                out_vec3f(6u, s.frame.x); out_vec3f(9u, s.frame.y); out_vec3f(12u, s.frame.z);
                out_vec3f(15u, s.wo); out_vec3f(18u, s.material.diffuse);
-               out_u32(21u, s.light); out_bool(22u, s.front);",
+               out_u32(21u, s.light); out_bool(22u, s.front); out_u32(23u, s.own_light);",
         inputs: 13,
-        outputs: 23,
+        outputs: 24,
         features: &[],
     };
     let views: Vec<View> = (0..)
@@ -189,6 +189,8 @@ fn surfaces_are_the_twins_on_both_sides() {
         assert_eq!(vector(18), rounded(expected.material.diffuse), "{what}");
         let [light, front] = [21, 22].map(|word| answers.u32(word).nth(i).unwrap());
         assert_eq!(light, expected.light.unwrap_or(NONE), "{what}");
+        let own_light = answers.u32(23).nth(i).unwrap();
+        assert_eq!(own_light, expected.own_light.unwrap_or(NONE), "{what}");
         assert_eq!(front == 1, expected.front, "{what}");
         assert_eq!(
             expected.front,
