@@ -16,7 +16,10 @@ use std::path::Path;
 pub(super) fn read(path: &Path) -> Result<Mesh, InputError> {
     let bytes = files::read(path)?;
     let failed = |e: ParseError| {
-        let message = e.to_string().replace("\n\t", " ").replace('\n', " ");
+        // Behind it stands the parser's state, in the notation of Rust.
+        let message = e.to_string();
+        let message = message.split("\n\tError: ").next().unwrap_or_default();
+        let message = message.replace("\n\t", " ").replace('\n', " ");
         InputError::file(path, format!("is not a readable PLY file: {message}"), "")
     };
     let size = bytes.len();
