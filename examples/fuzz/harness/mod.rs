@@ -8,7 +8,7 @@ mod numbers;
 mod random;
 mod readers;
 mod seeds;
-mod sound;
+pub mod sound;
 
 use random::Random;
 pub use readers::{Reader, Workplace};
@@ -72,7 +72,7 @@ impl Inputs {
 pub fn kind(message: &str) -> String {
     let mut quoted = false;
     let mut kept = String::new();
-    for word in message.split_whitespace() {
+    for word in message.split_whitespace().take(20) {
         let quotes = word.matches(['`', '"', '\'']).count();
         let plain = word.trim_end_matches([':', ';', ',', '.']);
         if !quoted && quotes == 0 && plain.bytes().all(|b| b.is_ascii_lowercase()) {

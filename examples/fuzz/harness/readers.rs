@@ -32,19 +32,6 @@ pub enum Reader {
 }
 
 impl Reader {
-    /// All of them.
-    pub const ALL: [Self; 9] = [
-        Self::Toml,
-        Self::Numbers,
-        Self::Gltf,
-        Self::Glb,
-        Self::Ply,
-        Self::Obj,
-        Self::Hdr,
-        Self::Exr,
-        Self::Validate,
-    ];
-
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
@@ -58,11 +45,6 @@ impl Reader {
             Self::Exr => "exr",
             Self::Validate => "validate",
         }
-    }
-
-    /// The reader of that name.
-    pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|r| r.name() == name)
     }
 
     /// The extension of its inputs.

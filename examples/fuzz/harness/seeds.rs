@@ -151,8 +151,8 @@ fn binary_ply(big: bool) -> Vec<u8> {
 /// OBJ files.
 pub fn obj() -> Vec<Vec<u8>> {
     vec![
-        b"mtllib paint.mtl\no quad\nv 0 0 0\nv 1 0 0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\nvt 0 0\nvn 0 0 1\ng all\nusemtl red\ns 1\nf 1/1/1 2/1/1 3/1/1 4/1/1\no triangle\nv 0 0 2.125\nf -1 1 2\nl 1 2\np 1\n".to_vec(),
-        b"v 0 0 0\nv 1 0 0\nv 0 1e0 0\nv 0 0 -1.5e-3 1.0\nf 1 2 3\nf 1//1 3//1 4//1 # no normals\ns off\nf 2/3 3/2 4/1\n".to_vec(),
+        b"mtllib paint.mtl\no quad\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\ng all\nusemtl red\ns 1\nf 1/1/1 2/1/1 3/1/1 4/1/1\no triangle\nv 0 0 2.125\nf -1 1 2\nl 1 2\np 1\n".to_vec(),
+        b"# colours\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1e0 0 0 0 1\nv 0 0 -1.5e-3 1 1 1\nvt 0.5 1\nvn 0 1 0\nf 1 2 3\nf 1//1 3//1 4//-1\ns off\nf 2/1 3/1 4/1\n".to_vec(),
     ]
 }
 

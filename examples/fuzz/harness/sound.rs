@@ -7,13 +7,23 @@ use direkt::scene::validate::validate;
 use direkt::scene::{EnvironmentRadiance, Light, Scene};
 use glam::DVec3;
 
-/// Prepares `scene` for rendering. `Err` says which number would reach the GPU as an infinity or as none.
+/// Whether `scene` is valid, and fit for the GPU for that reason.
 pub fn check(scene: Scene) -> Result<(), String> {
     validate(&scene).map_err(|e| format!("was loaded, but is not valid: {e}"))?;
+    prepare(scene)
+}
+
+/// Prepares `scene` for rendering. `Err` says which number would reach the GPU as an infinity or as none.
+pub fn prepare(scene: Scene) -> Result<(), String> {
     let (strategy, selection) = (scene.render.strategy, scene.render.light_selection);
     let prepared = Prepared::new(scene, strategy, selection);
     let normalization = &prepared.normalization;
-    finite("normalisation: centre", normalization.center)?;
+    if !normalization.center.is_finite() {
+        return Err(format!(
+            "normalisation: centre: is {}",
+            normalization.center
+        ));
+    }
     require("normalisation: scale", normalization.scale, |s| {
         s.is_normal() && s > 0.0
     })?;
@@ -25,7 +35,7 @@ pub fn check(scene: Scene) -> Result<(), String> {
             return Err(format!("{:?} is outside of [-1, 1]", primitive.geometry));
         }
         if let PrimitiveGeometry::Sphere { radius, .. } = primitive.geometry {
-            require("radius", radius, |r| r > 0.0)?;
+            require("radius", radius, |r| ((r * r) as f32).is_normal())?;
         }
     }
     let bvh = &prepared.bvh;

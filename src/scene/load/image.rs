@@ -34,8 +34,7 @@ pub(super) fn read_environment(
         }
     };
     let bytes = files::read(path)?;
-    let failed =
-        |e: image::ImageError| InputError::file(path, format!("is not a readable image: {e}"), "");
+    let failed = |e: image::ImageError| unreadable(path, &e.to_string());
     let reader = || ImageReader::with_format(Cursor::new(&bytes), format);
     if format == ImageFormat::OpenExr {
         check_exr(path, &bytes)?;
@@ -85,10 +84,19 @@ pub(super) fn read_environment(
     })
 }
 
+/// The error for what a decoder says.
+fn unreadable(path: &Path, message: &str) -> InputError {
+    let truncated = ["failed to fill whole buffer", "reference to missing bytes"];
+    if truncated.iter().any(|t| message.contains(t)) {
+        return InputError::file(path, "is truncated", "the whole image");
+    }
+    InputError::file(path, format!("is not a readable image: {message}"), "")
+}
+
 /// Refuses windows and channels that the file is too short for: the decoder would make room for them.
 fn check_exr(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
-    let meta = MetaData::read_from_buffered(bytes, false)
-        .map_err(|e| InputError::file(path, format!("is not a readable image: {e}"), ""))?;
+    let meta =
+        MetaData::read_from_buffered(bytes, false).map_err(|e| unreadable(path, &e.to_string()))?;
     for header in &meta.headers {
         let size = header.layer_size;
         let texels = (size.width() as u64).saturating_mul(size.height() as u64);
