@@ -21,6 +21,9 @@ const MAX_POWER: f64 = f32::MAX as f64;
 /// What is said of larger ones.
 const LARGEST: &str = "at most 3.4e38, the GPU's largest number";
 
+/// Most primitives: the hierarchy's leaves have 28 bits for the first of theirs.
+const MAX_PRIMITIVES: u64 = 1 << 28;
+
 type Outcome = Result<(), InputError>;
 
 /// Checks a scene that is valid otherwise.
@@ -46,6 +49,11 @@ fn geometry(scene: &Scene) -> Outcome {
     let error = |field: &str, problem: String, expected: &str| {
         Err(InputError::new(&scene.source, field, problem, expected))
     };
+    let primitives: u64 = scene.shapes.iter().map(|s| s.geometry.primitives()).sum();
+    if primitives > MAX_PRIMITIVES {
+        let problem = format!("are {primitives} triangles and other primitives together");
+        return error("shapes", problem, "at most 268435456");
+    }
     for shape in &scene.shapes {
         let farthest = shape.geometry.farthest();
         if farthest > MAX_COORDINATE {

@@ -168,6 +168,27 @@ fn wrong_types_and_values() {
     );
 }
 
+/// A short file whose nodes show the same mesh again and again is refused before its instances take memory.
+#[test]
+fn instances_without_end() {
+    let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": 1 });
+    let json = with(
+        triangle_gltf(),
+        "/meshes/0/primitives",
+        json!(vec![primitive; 6000]),
+    );
+    let json = with(json, "/nodes", json!(vec![json!({ "mesh": 0 }); 6000]));
+    let json = with(
+        json,
+        "/scenes/0/nodes",
+        json!((0..6000).collect::<Vec<_>>()),
+    );
+    assert_eq!(
+        load_gltf(&json).expect_err("it must be refused"),
+        "DIR/scene.gltf: nodes[4473].mesh: the nodes up to here make more than 134217728 vertices and triangles of their meshes; expected fewer instances"
+    );
+}
+
 #[test]
 fn not_finite_vertices_are_dropped_and_counted() {
     let mut bin: Vec<u8> = [
