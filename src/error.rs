@@ -82,14 +82,35 @@ impl std::fmt::Display for InputError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}: ", self.file.display())?;
         if !self.field.is_empty() {
-            write!(f, "{}: ", self.field)?;
+            write!(f, "{}: ", readable(&self.field))?;
         }
-        write!(f, "{}", self.problem)?;
+        write!(f, "{}", readable(&self.problem))?;
         if !self.expected.is_empty() {
-            write!(f, "; expected {}", self.expected)?;
+            write!(f, "; expected {}", readable(&self.expected))?;
         }
         Ok(())
     }
+}
+
+/// `text`, which may quote a stranger's file, fit for a terminal: control characters are escaped, and of what is long the
+/// middle is left out.
+pub(crate) fn readable(text: &str) -> String {
+    const MAX_CHARS: usize = 400;
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() {
+            plain.extend(c.escape_default());
+        } else {
+            plain.push(c);
+        }
+    }
+    let length = plain.chars().count();
+    if length <= MAX_CHARS {
+        return plain;
+    }
+    let head = plain.chars().take(MAX_CHARS * 3 / 4);
+    let tail = plain.chars().skip(length - MAX_CHARS / 4);
+    head.chain(" … ".chars()).chain(tail).collect()
 }
 
 impl std::error::Error for InputError {}

@@ -12,6 +12,7 @@ pub mod light;
 pub mod load;
 pub mod material;
 pub mod normalize;
+mod range;
 pub mod settings;
 pub mod shadow_rays;
 pub mod shape;

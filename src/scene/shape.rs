@@ -48,7 +48,30 @@ pub enum Geometry {
     Mesh(Mesh),
 }
 
+impl Shape {
+    /// The field that it came from: `shapes[3]` of `shapes[3]: lens (mesh 4)`.
+    pub fn field(&self) -> &str {
+        let end = self.name.find([':', ' ']).unwrap_or(self.name.len());
+        &self.name[..end]
+    }
+}
+
 impl Geometry {
+    /// Largest magnitude of a coordinate of what it is given by.
+    pub fn farthest(&self) -> f64 {
+        let of_points = |points: &[DVec3]| {
+            let coordinates = points.iter().map(|p| p.abs().max_element());
+            coordinates.fold(0.0, f64::max)
+        };
+        match self {
+            Self::Rectangle { corner: p, u, v } | Self::Disk { center: p, u, v } => {
+                of_points(&[*p, *u, *v])
+            }
+            Self::Sphere { center, radius } => of_points(&[*center]).max(*radius),
+            Self::Mesh(mesh) => of_points(&mesh.positions),
+        }
+    }
+
     /// Primitives that it consists of.
     pub fn primitives(&self) -> u64 {
         match self {

@@ -2,6 +2,7 @@
 //!
 //! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind may rely on it.
 
+use super::range;
 use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
     Bsdf, Camera, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize,
@@ -37,7 +38,7 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
     if let Some(expect) = &scene.expect {
         check.expect(expect, scene.film)?;
     }
-    Ok(())
+    Ok(range::check(scene)?)
 }
 
 /// Checks a scene's settings alone: whether it can be rendered so.
@@ -93,11 +94,8 @@ impl Check<'_> {
             "an angle above 0 and below 180 degrees",
         )?;
         let frame = DMat3::from_cols(camera.right, camera.up, -camera.forward);
-        let off = frame.transpose() * frame - DMat3::IDENTITY;
         self.require(
-            camera.eye.is_finite()
-                && off.to_cols_array().iter().all(|x| x.abs() < 1e-6)
-                && frame.determinant() > 0.0,
+            camera.eye.is_finite() && is_rotation(frame),
             || "camera".to_owned(),
             || "its frame is not orthonormal and finite".to_owned(),
             "right × up = −forward, as Camera::look_at makes it",
@@ -140,7 +138,7 @@ impl Check<'_> {
     }
 
     fn shape(&self, shape: &Shape, materials: usize) -> Outcome {
-        let field = field_of(&shape.name);
+        let field = shape.field();
         if let Some(Emission { radiance, .. }) = shape.emission {
             self.power(radiance, || format!("{field}.emission.radiance"))?;
         }
@@ -268,6 +266,12 @@ impl Check<'_> {
             || format!("is {scale}"),
             "a finite number, not negative",
         )?;
+        self.require(
+            is_rotation(environment.rotation),
+            || "environment.rotation".to_owned(),
+            || "is not a rotation".to_owned(),
+            "a finite angle, or an orthonormal matrix",
+        )?;
         match &environment.radiance {
             EnvironmentRadiance::Constant(radiance) => {
                 self.power(*radiance, || "environment.radiance".to_owned())
@@ -371,8 +375,8 @@ impl Check<'_> {
     }
 }
 
-/// `shapes[3]` of `shapes[3]: lens (mesh 4)`.
-fn field_of(name: &str) -> &str {
-    let end = name.find([':', ' ']).unwrap_or(name.len());
-    &name[..end]
+/// Whether the columns are orthonormal, finite and right-handed.
+fn is_rotation(m: DMat3) -> bool {
+    let off = m.transpose() * m - DMat3::IDENTITY;
+    off.to_cols_array().iter().all(|x| x.abs() < 1e-6) && m.determinant() > 0.0
 }

@@ -2,7 +2,9 @@
 
 mod bad_gltf;
 mod bad_toml;
+mod broken_files;
 mod files;
+mod fuzz;
 mod gltf;
 mod meshes;
 mod repository;

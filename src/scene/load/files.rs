@@ -131,6 +131,11 @@ pub(super) fn extension(path: &Path) -> String {
 
 /// All bytes of a file.
 pub(super) fn read(path: &Path) -> Result<Vec<u8>, InputError> {
+    // Reading a pipe may never end.
+    let metadata = std::fs::metadata(path).map_err(|e| unreadable(path, &e))?;
+    if !metadata.is_file() && !metadata.is_dir() {
+        return Err(InputError::file(path, "is a pipe or a device", "a file"));
+    }
     std::fs::read(path).map_err(|e| unreadable(path, &e))
 }
 

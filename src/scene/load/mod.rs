@@ -14,7 +14,7 @@ mod toml_scene;
 mod transform;
 
 use super::{Bsdf, Emission, Geometry, Scene, validate};
-use crate::error::{Error, InputError};
+use crate::error::{Error, InputError, readable};
 use files::Folders;
 use std::path::{Path, PathBuf};
 
@@ -51,6 +51,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, Error> {
     validate::validate(&scene)?;
     let mut warnings = general_warnings(&scene);
     scene.warnings.append(&mut warnings);
+    for warning in &mut scene.warnings {
+        *warning = readable(warning);
+    }
     Ok(scene)
 }
 

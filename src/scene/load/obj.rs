@@ -17,19 +17,13 @@ pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Mesh, Inpu
         ..tobj::LoadOptions::default()
     };
     let names_materials = Cell::new(false);
-    let (models, _) = tobj::load_obj_buf(&mut bytes.as_slice(), &options, |_| {
+    let mut rest = bytes.as_slice();
+    let loaded = tobj::load_obj_buf(&mut rest, &options, |_| {
         names_materials.set(true);
         Err(tobj::LoadError::OpenFileFailed)
-    })
-    .map_err(|e| {
-        let problem = match e {
-            tobj::LoadError::FaceVertexOutOfBounds => {
-                "a face names a vertex that is out of range".to_owned()
-            }
-            e => format!("is not a readable OBJ file: {e}"),
-        };
-        InputError::file(path, problem, "")
-    })?;
+    });
+    let read = &bytes[..bytes.len() - rest.len()];
+    let (models, _) = loaded.map_err(|e| refusal(path, read, &e))?;
     if names_materials.get() {
         warnings.push(format!(
             "{}: material libraries (mtllib) are ignored: a shape has the material that the scene file names",
@@ -45,6 +39,49 @@ pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Mesh, Inpu
         return Err(InputError::file(path, "holds no face", "a mesh"));
     }
     Ok(mesh)
+}
+
+/// The error about the last line of `read`; an index that is out of range comes up only when its object ends.
+fn refusal(path: &Path, read: &[u8], error: &tobj::LoadError) -> InputError {
+    use tobj::LoadError;
+    let lines = || read.split(|b| *b == b'\n');
+    let out_of_range = |what: &str, keyword: &[u8]| {
+        let count = lines()
+            .filter(|line| line.trim_ascii_start().starts_with(keyword))
+            .count();
+        InputError::file(
+            path,
+            format!("a face names a {what} that is out of range"),
+            match count {
+                0 => "no index: there is none so far".to_owned(),
+                n => format!("1 to {n}, or -{n} to -1 (there are {n} so far)"),
+            },
+        )
+    };
+    let expected = match error {
+        LoadError::FaceVertexOutOfBounds => return out_of_range("vertex", b"v "),
+        LoadError::FaceTexCoordOutOfBounds => return out_of_range("texture coordinate", b"vt "),
+        LoadError::FaceNormalOutOfBounds => return out_of_range("normal", b"vn "),
+        LoadError::FaceColorOutOfBounds => {
+            let problem = "some vertices have a colour and some have none";
+            return InputError::file(path, problem, "a colour for each vertex, or for none");
+        }
+        LoadError::PositionParseError => "`v` and three numbers",
+        LoadError::ColorParseError => "`v` and three numbers, and three for a colour",
+        LoadError::NormalParseError => "`vn` and three numbers",
+        LoadError::TexcoordParseError => "`vt` and two numbers",
+        LoadError::FaceParseError => "`f` and indices such as 1, 1/2, 1//3 or 1/2/3",
+        LoadError::ReadError => "text in UTF-8",
+        _ => "an OBJ file",
+    };
+    let read = read.strip_suffix(b"\n").unwrap_or(read);
+    let line = read.rsplit(|b| *b == b'\n').next().unwrap_or_default();
+    InputError::new(
+        path,
+        format!("line {}", 1 + read.iter().filter(|b| **b == b'\n').count()),
+        format!("is `{}`", String::from_utf8_lossy(line.trim_ascii())),
+        expected,
+    )
 }
 
 fn append(mesh: &mut Mesh, part: &tobj::Mesh) -> Option<()> {

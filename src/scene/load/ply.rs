@@ -12,11 +12,21 @@ use ply_rs_bw::ply::{
 use std::io::Cursor;
 use std::path::Path;
 
+/// What a message goes on with after the line that is wrong: the same line again, or the state of the grammar's parser.
+const NOISE: [&str; 3] = [
+    "\n\tError: ParseError {",
+    "\n\tError: Couldn't parse element line.",
+    "\n\tError: error at ",
+];
+
 /// Reads a PLY file; polygons become fans of triangles.
 pub(super) fn read(path: &Path) -> Result<Mesh, InputError> {
     let bytes = files::read(path)?;
     let failed = |e: ParseError| {
-        let message = e.to_string().replace("\n\t", " ").replace('\n', " ");
+        let message = e.to_string();
+        let end = NOISE.iter().filter_map(|noise| message.find(noise)).min();
+        let message = &message[..end.unwrap_or(message.len())];
+        let message = message.replace("\n\t", " ").replace('\n', " ");
         InputError::file(path, format!("is not a readable PLY file: {message}"), "")
     };
     let size = bytes.len();

@@ -99,6 +99,7 @@ pub(super) fn load_meshes(
     let document = Document::read(path, folders)?;
     let placed = nodes::of_default_scene(&document)?;
     let mut primitives = Primitives::new(&document);
+    primitives.check_size(&placed)?;
     let mut meshes = Vec::new();
     for node in &placed {
         for instance in primitives.of_node(node, &DAffine3::IDENTITY, warnings)? {
@@ -121,6 +122,7 @@ fn shapes(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Shape>, InputError> {
     let mut primitives = Primitives::new(document);
+    primitives.check_size(placed)?;
     let mut shapes = Vec::new();
     let mut dropped = 0;
     for node in placed {

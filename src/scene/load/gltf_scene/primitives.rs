@@ -7,9 +7,14 @@ use crate::error::InputError;
 use crate::scene::load::transform;
 use crate::scene::{Geometry, Mesh};
 use glam::{DAffine3, DMat3, DVec3};
+use gltf::json;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+/// Most vertices and triangles of all instances together, as each takes memory of its own.
+const MAX_SIZE: usize = 1 << 27;
 
 /// A primitive of a mesh, placed by a node.
 pub(super) struct Instance {
@@ -37,6 +42,40 @@ impl<'a> Primitives<'a> {
         }
     }
 
+    /// Refuses files whose nodes multiply their meshes into more than a machine holds, before that is done.
+    pub(super) fn check_size(&mut self, placed: &[Placed]) -> Result<(), InputError> {
+        let document = self.document;
+        let mut sizes = HashMap::new();
+        let mut total: usize = 0;
+        for node in placed {
+            let Some((index, mesh)) = mesh_of(document, node)? else {
+                continue;
+            };
+            let size = match sizes.get(&index) {
+                Some(&known) => known,
+                None => {
+                    let mut size: usize = 0;
+                    for (number, primitive) in mesh.primitives.iter().enumerate() {
+                        let decoded = self.decode(index, number, primitive)?;
+                        let numbers = decoded.map_or(0, |m| m.positions.len() + m.triangles.len());
+                        size = size.saturating_add(1 + numbers);
+                    }
+                    sizes.insert(index, size);
+                    size
+                }
+            };
+            total = total.saturating_add(size);
+            if total > MAX_SIZE {
+                return Err(document.error(
+                    format!("nodes[{}].mesh", node.index),
+                    format!("the nodes up to here make more than {MAX_SIZE} vertices and triangles of their meshes"),
+                    "fewer instances",
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// The primitives of a node's mesh, moved to the world and then by `placement`. A node with scale 0 is hidden.
     pub(super) fn of_node(
         &mut self,
@@ -45,13 +84,10 @@ impl<'a> Primitives<'a> {
         warnings: &mut Vec<String>,
     ) -> Result<Vec<Instance>, InputError> {
         let document = self.document;
-        let json = &document.root.nodes[node.index];
-        let Some(mesh_index) = json.mesh.map(|m| m.value()) else {
+        let Some((mesh_index, mesh)) = mesh_of(document, node)? else {
             return Ok(Vec::new());
         };
-        let field = || format!("nodes[{}].mesh", node.index);
-        let mesh = document.get(&document.root.meshes, mesh_index, "mesh", field)?;
-        let label = json
+        let label = document.root.nodes[node.index]
             .name
             .as_ref()
             .or(mesh.name.as_ref())
@@ -70,7 +106,7 @@ impl<'a> Primitives<'a> {
             let Some(triangles) = self.decode(mesh_index, number, primitive)? else {
                 continue;
             };
-            let moved = transform::apply(&to_world, Geometry::Mesh(triangles))
+            let moved = transform::apply(&to_world, Geometry::Mesh(triangles.clone()))
                 .map_err(|p| transform_error(document, node, &p))?;
             let Geometry::Mesh(moved) = moved else {
                 unreachable!("a transformed mesh is a mesh")
@@ -96,18 +132,33 @@ impl<'a> Primitives<'a> {
         mesh: usize,
         number: usize,
         primitive: &Primitive,
-    ) -> Result<Option<Mesh>, InputError> {
-        if let Some(known) = self.decoded.get(&(mesh, number)) {
-            return Ok(known.clone());
-        }
-        let field = format!("meshes[{mesh}].primitives[{number}]");
-        let decoded = match triangle_mode(self.document, primitive, &field)? {
-            Some(mode) => Some(triangles(self.document, primitive, mode, &field)?),
-            None => None,
+    ) -> Result<Option<&Mesh>, InputError> {
+        let slot = match self.decoded.entry((mesh, number)) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(slot) => {
+                let field = format!("meshes[{mesh}].primitives[{number}]");
+                let decoded = match triangle_mode(self.document, primitive, &field)? {
+                    Some(mode) => Some(triangles(self.document, primitive, mode, &field)?),
+                    None => None,
+                };
+                slot.insert(decoded)
+            }
         };
-        self.decoded.insert((mesh, number), decoded.clone());
-        Ok(decoded)
+        Ok(slot.as_ref())
     }
+}
+
+/// The mesh of a node, with its index.
+fn mesh_of<'a>(
+    document: &'a Document,
+    node: &Placed,
+) -> Result<Option<(usize, &'a json::Mesh)>, InputError> {
+    let Some(index) = document.root.nodes[node.index].mesh.map(|m| m.value()) else {
+        return Ok(None);
+    };
+    let field = || format!("nodes[{}].mesh", node.index);
+    let mesh = document.get(&document.root.meshes, index, "mesh", field)?;
+    Ok(Some((index, mesh)))
 }
 
 /// The mode when it is one of triangles.

@@ -1,0 +1,121 @@
+//! What must hold of every scene that a reader lets through.
+
+use direkt::accel::PrimitiveGeometry;
+use direkt::emitters::Emitter;
+use direkt::render::Prepared;
+use direkt::scene::validate::validate;
+use direkt::scene::{EnvironmentRadiance, Light, Scene};
+use glam::DVec3;
+
+/// Whether `scene` is valid, and fit for the GPU for that reason.
+pub fn check(scene: Scene) -> Result<(), String> {
+    validate(&scene).map_err(|e| format!("was loaded, but is not valid: {e}"))?;
+    prepare(scene)
+}
+
+/// Prepares `scene` for rendering. `Err` says which number would reach the GPU as an infinity or as none.
+pub fn prepare(scene: Scene) -> Result<(), String> {
+    let (strategy, selection) = (scene.render.strategy, scene.render.light_selection);
+    let prepared = Prepared::new(scene, strategy, selection);
+    let normalization = &prepared.normalization;
+    if !normalization.center.is_finite() {
+        return Err(format!(
+            "normalisation: centre: is {}",
+            normalization.center
+        ));
+    }
+    require("normalisation: scale", normalization.scale, |s| {
+        s.is_normal() && s > 0.0
+    })?;
+    small("eye", normalization.point(prepared.scene.camera.eye))?;
+    for primitive in &prepared.primitives {
+        let (low, high) = primitive.geometry.bounds();
+        let within = |v: DVec3| v.abs().max_element() < 1.001;
+        if !(within(low) && within(high)) {
+            return Err(format!("{:?} is outside of [-1, 1]", primitive.geometry));
+        }
+        if let PrimitiveGeometry::Sphere { radius, .. } = primitive.geometry {
+            require("radius", radius, |r| ((r * r) as f32).is_normal())?;
+        }
+    }
+    let bvh = &prepared.bvh;
+    finite("grid: origin", bvh.grid_origin.as_dvec3())?;
+    finite("grid: scale", bvh.grid_scale.as_dvec3())?;
+    lights(&prepared)
+}
+
+fn lights(prepared: &Prepared) -> Result<(), String> {
+    for (index, light) in prepared.emitters.lights.iter().enumerate() {
+        let probability = prepared.emitters.probability(index);
+        require("probability of a light", probability, |p| {
+            (0.0..=1.0).contains(&p)
+        })?;
+        match *light {
+            Emitter::Area { radiance, .. } => finite("radiance", radiance)?,
+            Emitter::Environment => {}
+            Emitter::Delta(Light::Point {
+                position,
+                intensity,
+            })
+            | Emitter::Delta(Light::Spot {
+                position,
+                intensity,
+                ..
+            }) => {
+                small("position of a light", position)?;
+                finite("intensity", intensity)?;
+            }
+            Emitter::Delta(Light::Directional { irradiance, .. }) => {
+                finite("irradiance", irradiance)?;
+            }
+        }
+    }
+    let lit = !prepared.emitters.lights.is_empty();
+    if lit && prepared.scene.render.strategy.samples_lights() {
+        let chosen = prepared.emitters.sampled().next();
+        chosen.ok_or("there are lights, and none is ever chosen")?;
+    }
+    let Some(environment) = &prepared.scene.environment else {
+        return Ok(());
+    };
+    require("environment: scale", environment.scale, is_finite)?;
+    for column in 0..3 {
+        finite("environment: rotation", environment.rotation.col(column))?;
+    }
+    match &environment.radiance {
+        EnvironmentRadiance::Constant(radiance) => {
+            finite("environment", *radiance * environment.scale)
+        }
+        EnvironmentRadiance::Map(map) => {
+            let largest = map.texels.iter().flatten().copied().fold(0.0, f32::max);
+            require(
+                "environment",
+                f64::from(largest) * environment.scale,
+                is_finite,
+            )
+        }
+    }
+}
+
+/// Whether `x` is finite as f32.
+fn is_finite(x: f64) -> bool {
+    (x as f32).is_finite()
+}
+
+fn require(what: &str, x: f64, holds: impl Fn(f64) -> bool) -> Result<(), String> {
+    let sound = holds(x);
+    sound
+        .then_some(())
+        .ok_or_else(|| format!("{what}: is {x:e}"))
+}
+
+fn finite(what: &str, v: DVec3) -> Result<(), String> {
+    v.to_array()
+        .iter()
+        .try_for_each(|&x| require(what, x, is_finite))
+}
+
+/// Distances are squared in f32.
+fn small(what: &str, v: DVec3) -> Result<(), String> {
+    require(what, v.length_squared(), is_finite)
+}
