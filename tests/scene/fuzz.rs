@@ -18,6 +18,11 @@ fn survives(reader: Reader) {
     for (number, seed) in reader.seeds().iter().enumerate() {
         let read = execute(&place, seed);
         assert_eq!(read, Ok(None), "{reader:?}: seed {number} is valid");
+        assert!(
+            seed.len() < 4096,
+            "{reader:?}: seed {number} is compressed, where it can be: {} bytes",
+            seed.len()
+        );
     }
     let mut inputs = Inputs::new(reader, 1);
     for number in 0..INPUTS {

@@ -187,15 +187,23 @@ pub fn exr() -> Vec<Vec<u8>> {
         Compression::PXR24,
         Compression::B44,
         Compression::B44A,
+        Compression::DWAA(None),
+        Compression::DWAB(Some(45.0)),
     ];
     let lines = compressions.map(|compression| exr_of(compression, Blocks::ScanLines));
-    let tiles = exr_of(Compression::ZIP1, Blocks::Tiles(Vec2(4, 2)));
+    let tiles = exr_of(Compression::ZIP1, Blocks::Tiles(Vec2(16, 16)));
     lines.into_iter().chain([tiles]).collect()
 }
 
 fn exr_of(compression: Compression, blocks: Blocks) -> Vec<u8> {
+    // A block that does not get smaller is not compressed, so those that are to be hold little in many texels.
+    let size = match compression {
+        Compression::Uncompressed => (6, 5),
+        Compression::RLE | Compression::ZIP1 => (24, 17),
+        _ => (24, 33),
+    };
     let texel = |p: Vec2<usize>| {
-        let (x, y) = (p.x() as f32, p.y() as f32);
+        let (x, y) = ((p.x() / 12) as f32, (p.y() / 8) as f32);
         (f16::from_f32(0.25 * x), 0.5 + y, f16::from_f32(x * y))
     };
     let encoding = Encoding {
@@ -204,7 +212,7 @@ fn exr_of(compression: Compression, blocks: Blocks) -> Vec<u8> {
         line_order: LineOrder::Increasing,
     };
     let layer = Layer::new(
-        (6, 5),
+        size,
         LayerAttributes::named("sky"),
         encoding,
         SpecificChannels::rgb(texel),

@@ -1,10 +1,9 @@
 //! Environment maps: Radiance HDR and OpenEXR.
 
-use super::files;
+use super::{exr, files};
 use crate::error::InputError;
 use crate::scene::EnvironmentMap;
 use crate::scene::light::Interpolation;
-use exr::meta::MetaData;
 use image::{ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
@@ -14,8 +13,6 @@ const MAX_SIDE: u32 = 32_768;
 /// Most texels per byte of a file, so that a short file cannot ask for memory: zlib packs 1032 to 1, and a texel is three
 /// numbers of two bytes.
 const MAX_TEXELS_PER_BYTE: u64 = 172;
-/// Most bytes that a byte of an OpenEXR file becomes, texels outside of the image and channels that are not read included.
-const MAX_EXPANSION: u64 = 1032;
 
 /// Reads a latitude-longitude map. Texels that are negative or not finite become black; `warnings` gets their number.
 pub(super) fn read_environment(
@@ -37,7 +34,7 @@ pub(super) fn read_environment(
     let failed = |e: image::ImageError| unreadable(path, &e.to_string());
     let reader = || ImageReader::with_format(Cursor::new(&bytes), format);
     if format == ImageFormat::OpenExr {
-        check_exr(path, &bytes)?;
+        exr::check(path, &bytes)?;
     }
     let (width, height) = reader().into_dimensions().map_err(failed)?;
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
@@ -85,36 +82,10 @@ pub(super) fn read_environment(
 }
 
 /// The error for what a decoder says.
-fn unreadable(path: &Path, message: &str) -> InputError {
+pub(super) fn unreadable(path: &Path, message: &str) -> InputError {
     let truncated = ["failed to fill whole buffer", "reference to missing bytes"];
     if truncated.iter().any(|t| message.contains(t)) {
         return InputError::file(path, "is truncated", "the whole image");
     }
     InputError::file(path, format!("is not a readable image: {message}"), "")
-}
-
-/// Refuses windows and channels that the file is too short for: the decoder would make room for them.
-fn check_exr(path: &Path, bytes: &[u8]) -> Result<(), InputError> {
-    let meta =
-        MetaData::read_from_buffered(bytes, false).map_err(|e| unreadable(path, &e.to_string()))?;
-    for header in &meta.headers {
-        let size = header.layer_size;
-        let texels = (size.width() as u64).saturating_mul(size.height() as u64);
-        let needed = texels.saturating_mul(header.channels.bytes_per_pixel as u64);
-        if needed > MAX_EXPANSION * bytes.len() as u64 {
-            return Err(InputError::new(
-                path,
-                "dataWindow",
-                format!(
-                    "is {} x {} texels of {} bytes, but the file has {} bytes",
-                    size.width(),
-                    size.height(),
-                    header.channels.bytes_per_pixel,
-                    bytes.len()
-                ),
-                "the whole image (is the file truncated?)",
-            ));
-        }
-    }
-    Ok(())
 }
