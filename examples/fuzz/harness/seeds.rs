@@ -199,7 +199,7 @@ fn exr_of(compression: Compression, blocks: Blocks) -> Vec<u8> {
     // A block that does not get smaller is not compressed, so those that are to be hold little in many texels.
     let size = match compression {
         Compression::Uncompressed => (6, 5),
-        Compression::RLE | Compression::ZIP1 => (24, 17),
+        Compression::RLE | Compression::ZIP1 | Compression::B44 => (24, 17),
         _ => (24, 33),
     };
     let texel = |p: Vec2<usize>| {
