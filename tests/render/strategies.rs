@@ -5,7 +5,7 @@ use crate::support::twin::{
     COMMON_MISTAKES, Part, Power, accept_means, exact_means, recorded_film, same_means, twin_film,
 };
 use crate::support::{
-    STRATEGIES, context, emitter, floor_pixel, lambert, own_scenes, render, scene,
+    STRATEGIES, context, emitter, floor_pixel, lambert, own_scenes, prepared, render, scene,
 };
 use direkt::reference::BrokenTwin;
 use direkt::render::{Film, Prepared};
@@ -25,11 +25,6 @@ const TWIN_FILM: FilmSize = FilmSize {
     width: 40,
     height: 30,
 };
-
-fn prepared(scene: &Scene) -> Prepared {
-    let settings = scene.render;
-    Prepared::new(scene.clone(), settings.strategy, settings.light_selection)
-}
 
 /// A floor with a microfacet lobe, and a lamp in the mirror direction: all pixels see a lobe, where those of `scenes/` are
 /// few.
@@ -187,7 +182,7 @@ fn lights_of_very_different_power_have_the_same_mean_under_every_selection() {
         );
         accept_means(same_means(&films[0], &films[1]), &what);
         let mistaken = twin_film(
-            &prepared(&scenes[1]),
+            &prepared(scenes[1].clone()),
             (TWIN_FILM, 1000, 64),
             Part::All,
             Some(BrokenTwin::WrongMeasure),
@@ -208,7 +203,13 @@ fn lights_of_very_different_power_have_the_same_mean_under_every_selection() {
             let other = &films[1 - i];
             let p_values = |film: &_| same_means(film, other);
             let image = (TWIN_FILM, Part::All);
-            power.check(&prepared(scene), image, Some(other), p_values, &what);
+            power.check(
+                &prepared(scene.clone()),
+                image,
+                Some(other),
+                p_values,
+                &what,
+            );
         }
     }
     power.found(&COMMON_MISTAKES);
@@ -233,7 +234,13 @@ fn cornells_image_mean_is_the_reference_mean() {
         width: 64,
         height: 64,
     };
-    power.check(&prepared(&cornell), (size, Part::All), None, test, &what);
+    power.check(
+        &prepared(cornell.clone()),
+        (size, Part::All),
+        None,
+        test,
+        &what,
+    );
     // Most of the mean is the lamp in sight: what moves the rest by little does not show.
     power.found(&[BrokenTwin::LightLeftOut, BrokenTwin::ExtraCosine]);
 }
@@ -266,7 +273,7 @@ fn a_furnace_is_as_bright_everywhere() {
             let test = |film: &_| exact_means(film, [1.0 + reflectance; 3], 0.0);
             accept_means(test(&film), &what);
             let image = (TWIN_FILM, Part::All);
-            power.check(&prepared(&scene), image, None, test, &what);
+            power.check(&prepared(scene.clone()), image, None, test, &what);
         }
     }
     power.found(&COMMON_MISTAKES);

@@ -6,7 +6,7 @@ use crate::gpu::Context;
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
-/// Arguments of each function, as `COUNT` in `shaders/kernel/elementary.wesl`.
+/// Arguments of each function.
 const COUNT: usize = 1 << 16;
 
 /// The worst error of a function.
