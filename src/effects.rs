@@ -1,19 +1,28 @@
 //! What a scene calls for: every piece of shader code that is not always there, and the reason why it is.
 //!
 //! An effect is derived from the scene, never declared by the user. Each maps to a WESL feature: code under
-//! `@if(GLOSSY)` is not in the WGSL unless some material has a microfacet lobe.
+//! `@if(GLOSSY)` is not in the WGSL unless some material has a microfacet lobe. The table below is the whole list: an entry
+//! per effect, with the rule that calls for it.
 
-use crate::accel::{Primitive, PrimitiveGeometry};
-use crate::emitters::{Emitter, Emitters, Selection};
-use crate::scene::light::Interpolation;
-use crate::scene::{
-    EnvironmentRadiance, Light, LightSampling, RenderSettings, Sampler, Scene, ShadowPattern,
-    Strategy,
-};
+mod rules;
+
+use crate::accel::{Primitive, PrimitiveGeometry as Shape};
+use crate::emitters::{Emitter, Emitters};
+use crate::scene::{Light, Sampler, Scene, ShadowPattern, Strategy};
+use rules::Rules;
 use std::collections::BTreeMap;
 
+/// What an effect that is compiled in without need does to an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// Nothing, bit for bit.
+    Simulation,
+    /// It is a way of sampling: the noise becomes another.
+    Sampling,
+}
+
 macro_rules! effects {
-    ($($(#[$doc:meta])* $variant:ident $feature:literal $name:literal,)*) => {
+    ($($(#[$doc:meta])* $variant:ident $feature:literal $name:literal $kind:ident $rule:expr;)*) => {
         /// A piece of the renderer that only some scenes need.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum Effect { $($(#[$doc])* $variant,)* }
@@ -31,103 +40,104 @@ macro_rules! effects {
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name,)* }
             }
+
+            /// Whether it is a way of sampling: compiled in without need it changes the image's noise.
+            pub fn is_way_of_sampling(self) -> bool {
+                let kind = match self { $(Self::$variant => Kind::$kind,)* };
+                kind == Kind::Sampling
+            }
+
+            /// Why the scene calls for it, where it does.
+            fn reason(self, rules: &Rules<'_>) -> Option<String> {
+                type Rule = fn(&Rules<'_>) -> Option<String>;
+                match self { $(Self::$variant => { let rule: Rule = $rule; rule(rules) })* }
+            }
         }
     };
 }
 
+// A rule may ask for the effects above its own.
 effects! {
     /// There is something for rays to hit.
-    Geometry "GEOMETRY" "geometry",
+    Geometry "GEOMETRY" "geometry" Simulation |r| r.shape(|_| true);
     /// Triangle meshes.
-    Triangles "TRIANGLES" "triangles",
+    Triangles "TRIANGLES" "triangles" Simulation |r| r.shape(|s| matches!(s, Shape::Triangle { .. }));
     /// Analytic rectangles.
-    Rectangles "RECTANGLES" "rectangles",
+    Rectangles "RECTANGLES" "rectangles" Simulation |r| r.shape(|s| matches!(s, Shape::Rectangle { .. }));
     /// Analytic disks.
-    Disks "DISKS" "disks",
+    Disks "DISKS" "disks" Simulation |r| r.shape(|s| matches!(s, Shape::Disk { .. }));
     /// Analytic spheres.
-    Spheres "SPHERES" "spheres",
+    Spheres "SPHERES" "spheres" Simulation |r| r.shape(|s| matches!(s, Shape::Sphere { .. }));
     /// Surfaces whose back does not exist.
-    OneSided "ONE_SIDED" "one-sided-surfaces",
+    OneSided "ONE_SIDED" "one-sided-surfaces" Simulation
+        |r| r.material(|m| (!m.double_sided).then(|| "double_sided = false".to_owned()));
     /// A microfacet lobe.
-    Glossy "GLOSSY" "glossy",
+    Glossy "GLOSSY" "glossy" Simulation
+        |r| r.material(|m| m.bsdf.parameters().specular.map(|lobe| format!("GGX with α = {:.4}", lobe.alpha)));
     /// Surfaces that emit.
-    AreaLights "AREA_LIGHTS" "area-lights",
+    AreaLights "AREA_LIGHTS" "area-lights" Simulation |r| r.emitting_shape(|_, _| true);
     /// Triangles, rectangles or disks that emit and are sampled.
-    PlanarLights "LIGHT_PLANAR" "planar-lights",
+    PlanarLights "LIGHT_PLANAR" "planar-lights" Simulation
+        |r| r.emitting_shape(|s, sampled| sampled && !matches!(s, Shape::Sphere { .. }));
     /// Triangles that emit.
-    TriangleLights "LIGHT_TRIANGLES" "triangle-lights",
+    TriangleLights "LIGHT_TRIANGLES" "triangle-lights" Simulation
+        |r| r.emitting_shape(|s, sampled| sampled && matches!(s, Shape::Triangle { .. }));
     /// Disks that emit.
-    DiskLights "LIGHT_DISKS" "disk-lights",
+    DiskLights "LIGHT_DISKS" "disk-lights" Simulation
+        |r| r.emitting_shape(|s, sampled| sampled && matches!(s, Shape::Disk { .. }));
     /// Parallelograms that emit and are not rectangles, and ellipses whose half axes are not orthogonal.
-    SkewedLights "LIGHT_SKEWED" "skewed-lights",
+    SkewedLights "LIGHT_SKEWED" "skewed-lights" Simulation |r| r.emitting_shape(|s, sampled| sampled && s.is_skewed());
     /// Spheres that emit.
-    SphereLights "LIGHT_SPHERES" "sphere-lights",
+    SphereLights "LIGHT_SPHERES" "sphere-lights" Simulation
+        |r| r.emitting_shape(|s, sampled| sampled && matches!(s, Shape::Sphere { .. }));
     /// Point and spot lights.
-    PointLights "LIGHT_POINTS" "point-lights",
+    PointLights "LIGHT_POINTS" "point-lights" Simulation |r| r.light(|light| match light {
+        Emitter::Delta(Light::Point { .. }) => Some("a point light"),
+        Emitter::Delta(Light::Spot { .. }) => Some("a spot light"),
+        _ => None,
+    });
     /// Directional lights.
-    DirectionalLights "LIGHT_DIRECTIONALS" "directional-lights",
+    DirectionalLights "LIGHT_DIRECTIONALS" "directional-lights" Simulation
+        |r| r.light(|light| matches!(light, Emitter::Delta(Light::Directional { .. })).then_some("a directional light"));
     /// Light from everywhere.
-    Environment "ENVIRONMENT" "environment",
+    Environment "ENVIRONMENT" "environment" Simulation
+        |r| r.light(|light| (*light == Emitter::Environment).then_some("[environment]"));
     /// An image of the environment.
-    EnvironmentMap "ENVIRONMENT_MAP" "environment-map",
+    EnvironmentMap "ENVIRONMENT_MAP" "environment-map" Simulation |r| r.environment_map();
     /// An image of the environment that is interpolated between its texels.
-    EnvironmentLinear "ENVIRONMENT_LINEAR" "environment-interpolation",
+    EnvironmentLinear "ENVIRONMENT_LINEAR" "environment-interpolation" Simulation |r| r.environment_interpolation();
     /// More than one light to choose from.
-    LightChoice "LIGHT_CHOICE" "light-choice",
+    LightChoice "LIGHT_CHOICE" "light-choice" Simulation |r| r.light_choice();
     /// Every light has shadow rays of its own.
-    AllLights "LIGHT_ALL" "all-lights",
+    AllLights "LIGHT_ALL" "all-lights" Sampling |r| r.all_lights();
     /// Several shadow rays per camera ray.
-    ShadowRays "SHADOW_RAYS" "shadow-rays",
+    ShadowRays "SHADOW_RAYS" "shadow-rays" Sampling |r| r.shadow_rays();
     /// Shadow rays end in the middle of lights.
-    CenterPattern "SHADOW_CENTER" "center-pattern",
+    CenterPattern "SHADOW_CENTER" "center-pattern" Sampling |r| r.shadow_pattern(ShadowPattern::Center);
     /// Shadow rays end on a grid over lights.
-    GridPattern "SHADOW_GRID" "grid-pattern",
+    GridPattern "SHADOW_GRID" "grid-pattern" Sampling |r| r.shadow_pattern(ShadowPattern::Grid);
     /// Shadow rays end in the cells of a grid over lights.
-    StratifiedPattern "SHADOW_STRATIFIED" "stratified-pattern",
+    StratifiedPattern "SHADOW_STRATIFIED" "stratified-pattern" Sampling |r| r.shadow_pattern(ShadowPattern::Stratified);
     /// Directions are chosen towards lights.
-    SampleLights "SAMPLE_LIGHTS" "light-sampling",
+    SampleLights "SAMPLE_LIGHTS" "light-sampling" Sampling |r| r.light_sampling();
     /// Directions are chosen in proportion to the BSDF.
-    SampleBsdf "SAMPLE_BSDF" "bsdf-sampling",
+    SampleBsdf "SAMPLE_BSDF" "bsdf-sampling" Sampling |r| r.bsdf_sampling();
     /// Directions are chosen uniformly over the hemisphere.
-    UniformHemisphere "HEMISPHERE_UNIFORM" "uniform-hemisphere",
+    UniformHemisphere "HEMISPHERE_UNIFORM" "uniform-hemisphere" Sampling |r| r.directions(Strategy::UniformHemisphere);
     /// Directions are chosen in proportion to the cosine.
-    CosineHemisphere "HEMISPHERE_COSINE" "cosine-hemisphere",
+    CosineHemisphere "HEMISPHERE_COSINE" "cosine-hemisphere" Sampling |r| r.directions(Strategy::CosineHemisphere);
     /// Lights are sampled over the solid angle in which they are seen.
-    SolidAngleLights "LIGHT_SOLID_ANGLE" "solid-angle-sampling",
+    SolidAngleLights "LIGHT_SOLID_ANGLE" "solid-angle-sampling" Sampling |r| r.solid_angle_sampling();
     /// Polygon lights are sampled over their projected solid angles.
-    ProjectedLights "LIGHT_PROJECTED" "projected-solid-angle-sampling",
+    ProjectedLights "LIGHT_PROJECTED" "projected-solid-angle-sampling" Sampling |r| r.projected_sampling();
     /// Strategies are weighted by the balance heuristic.
-    BalanceHeuristic "MIS_BALANCE" "balance-heuristic",
+    BalanceHeuristic "MIS_BALANCE" "balance-heuristic" Sampling |r| r.directions(Strategy::MisBalance);
     /// Random numbers on jittered grids.
-    StratifiedSampler "SAMPLER_STRATIFIED" "stratified-sampler",
+    StratifiedSampler "SAMPLER_STRATIFIED" "stratified-sampler" Sampling |r| r.sampler(Sampler::Stratified);
     /// Random numbers by Sobol's sequence.
-    SobolSampler "SAMPLER_SOBOL" "sobol-sampler",
+    SobolSampler "SAMPLER_SOBOL" "sobol-sampler" Sampling |r| r.sampler(Sampler::Sobol);
     /// Random numbers by Sobol's sequence, shared by neighbouring pixels.
-    BlueNoiseSampler "SAMPLER_BLUE_NOISE" "blue-noise-sampler",
-}
-
-impl Effect {
-    /// Whether it is a way of sampling: compiled in without need it changes the image's noise.
-    pub fn is_way_of_sampling(self) -> bool {
-        matches!(
-            self,
-            Self::AllLights
-                | Self::ShadowRays
-                | Self::CenterPattern
-                | Self::GridPattern
-                | Self::StratifiedPattern
-                | Self::SampleLights
-                | Self::SampleBsdf
-                | Self::UniformHemisphere
-                | Self::CosineHemisphere
-                | Self::SolidAngleLights
-                | Self::ProjectedLights
-                | Self::BalanceHeuristic
-                | Self::StratifiedSampler
-                | Self::SobolSampler
-                | Self::BlueNoiseSampler
-        )
-    }
+    BlueNoiseSampler "SAMPLER_BLUE_NOISE" "blue-noise-sampler" Sampling |r| r.sampler(Sampler::BlueNoise);
 }
 
 /// The effects that a render calls for, each with its reason.
@@ -163,191 +173,17 @@ pub fn called_for(
     emitters: &Emitters,
     strategy: Strategy,
 ) -> Effects {
-    let mut effects = Effects::default();
-    of_surfaces(&mut effects, scene, primitives);
-    let sampled = |index: usize| emitters.probability(index) > 0.0;
-    for (index, light) in emitters.lights.iter().enumerate() {
-        of_light(&mut effects, scene, primitives, light, sampled(index));
-    }
-    if let Some(selection) = &emitters.selection {
-        of_light_sampling(&mut effects, emitters, selection, strategy);
-        of_shadow_rays(&mut effects, emitters, &scene.render);
-    }
-    of_strategy(&mut effects, strategy, scene.render.light_sampling);
-    let sampler = scene.render.sampler;
-    let effect = match sampler {
-        Sampler::Independent => None,
-        Sampler::Stratified => Some(Effect::StratifiedSampler),
-        Sampler::Sobol => Some(Effect::SobolSampler),
-        Sampler::BlueNoise => Some(Effect::BlueNoiseSampler),
+    let mut rules = Rules {
+        scene,
+        primitives,
+        emitters,
+        strategy,
+        found: Effects::default(),
     };
-    if let Some(effect) = effect {
-        effects.call_for(effect, || format!("sampler {sampler}"));
-    }
-    effects
-}
-
-fn of_light_sampling(
-    effects: &mut Effects,
-    emitters: &Emitters,
-    selection: &Selection,
-    strategy: Strategy,
-) {
-    let lights = emitters.lights.len();
-    match selection {
-        Selection::One(_) if lights > 1 => {
-            effects.call_for(Effect::LightChoice, || format!("{lights} lights"));
-        }
-        Selection::One(_) => {}
-        Selection::All(_) => effects.call_for(Effect::AllLights, || {
-            format!("light selection all, {lights} lights")
-        }),
-    }
-    effects.call_for(Effect::SampleLights, || {
-        if strategy.samples_lights() {
-            format!("strategy {strategy}")
-        } else {
-            "lights without a surface, which no other strategy reaches".to_owned()
-        }
-    });
-}
-
-/// Several shadow rays are called for where a second one can differ from the first, a pattern where its points can.
-fn of_shadow_rays(effects: &mut Effects, emitters: &Emitters, settings: &RenderSettings) {
-    let pattern = settings.shadow_pattern;
-    let extended = emitters.sampled().any(|l| !matches!(l, Emitter::Delta(_)));
-    let has_texels =
-        emitters.environment.is_some() && emitters.sampled().any(|l| *l == Emitter::Environment);
-    let chosen = effects.contains(Effect::LightChoice) && emitters.sampled().count() > 1;
-    let differ = chosen || has_texels || (extended && pattern != ShadowPattern::Center);
-    let several = settings.shadow_rays > 1 && differ;
-    if several {
-        effects.call_for(Effect::ShadowRays, || {
-            format!("shadow_rays = {}", settings.shadow_rays)
-        });
-    }
-    let effect = match pattern {
-        ShadowPattern::Stratified if several => Effect::StratifiedPattern,
-        ShadowPattern::Grid if extended && several => Effect::GridPattern,
-        ShadowPattern::Grid | ShadowPattern::Center if extended => Effect::CenterPattern,
-        _ => return,
-    };
-    effects.call_for(effect, || format!("shadow_pattern = \"{pattern}\""));
-}
-
-fn of_strategy(effects: &mut Effects, strategy: Strategy, light_sampling: LightSampling) {
-    let reason = || format!("strategy {strategy}");
-    let reachable = effects.contains(Effect::AreaLights) || effects.contains(Effect::Environment);
-    if strategy.samples_directions() && reachable {
-        effects.call_for(Effect::SampleBsdf, reason);
-        match strategy {
-            Strategy::UniformHemisphere => effects.call_for(Effect::UniformHemisphere, reason),
-            Strategy::CosineHemisphere => effects.call_for(Effect::CosineHemisphere, reason),
-            Strategy::MisBalance => effects.call_for(Effect::BalanceHeuristic, reason),
-            _ => {}
+    for &effect in Effect::ALL {
+        if let Some(reason) = effect.reason(&rules) {
+            rules.found.call_for(effect, || reason);
         }
     }
-    let area_lights =
-        effects.contains(Effect::PlanarLights) || effects.contains(Effect::SphereLights);
-    let sampling = match strategy {
-        Strategy::LightArea => LightSampling::Area,
-        Strategy::LightSolidAngle => LightSampling::SolidAngle,
-        Strategy::LightProjectedSolidAngle => LightSampling::ProjectedSolidAngle,
-        _ => light_sampling,
-    };
-    if area_lights && sampling != LightSampling::Area {
-        effects.call_for(Effect::SolidAngleLights, reason);
-    }
-    let polygons = effects.contains(Effect::PlanarLights);
-    if polygons && sampling == LightSampling::ProjectedSolidAngle {
-        effects.call_for(Effect::ProjectedLights, reason);
-    }
-}
-
-fn of_surfaces(effects: &mut Effects, scene: &Scene, primitives: &[Primitive]) {
-    for primitive in primitives {
-        let shape = || scene.shapes[primitive.shape.index()].name.clone();
-        let material = &scene.materials[primitive.material.index()];
-        effects.call_for(Effect::Geometry, shape);
-        let kind = match primitive.geometry {
-            PrimitiveGeometry::Triangle { .. } => Effect::Triangles,
-            PrimitiveGeometry::Rectangle { .. } => Effect::Rectangles,
-            PrimitiveGeometry::Disk { .. } => Effect::Disks,
-            PrimitiveGeometry::Sphere { .. } => Effect::Spheres,
-        };
-        effects.call_for(kind, shape);
-        if !material.double_sided {
-            effects.call_for(Effect::OneSided, || {
-                format!("materials.{}: double_sided = false", material.name)
-            });
-        }
-        if let Some(lobe) = material.bsdf.parameters().specular {
-            effects.call_for(Effect::Glossy, || {
-                format!(
-                    "materials.{}: GGX with α = {:.4}",
-                    material.name, lobe.alpha
-                )
-            });
-        }
-    }
-}
-
-fn of_light(
-    effects: &mut Effects,
-    scene: &Scene,
-    primitives: &[Primitive],
-    light: &Emitter,
-    sampled: bool,
-) {
-    match light {
-        Emitter::Area { primitive, .. } => {
-            let primitive = &primitives[*primitive as usize];
-            let reason = || format!("{} emits", scene.shapes[primitive.shape.index()].name);
-            effects.call_for(Effect::AreaLights, reason);
-            if !sampled {
-                return;
-            }
-            let kind = match primitive.geometry {
-                PrimitiveGeometry::Sphere { .. } => Effect::SphereLights,
-                PrimitiveGeometry::Triangle { .. } => Effect::TriangleLights,
-                PrimitiveGeometry::Disk { .. } => Effect::DiskLights,
-                PrimitiveGeometry::Rectangle { .. } => Effect::PlanarLights,
-            };
-            effects.call_for(kind, reason);
-            if kind != Effect::SphereLights {
-                effects.call_for(Effect::PlanarLights, reason);
-            }
-            if primitive.geometry.is_skewed() {
-                effects.call_for(Effect::SkewedLights, reason);
-            }
-        }
-        Emitter::Delta(Light::Directional { .. }) => {
-            effects.call_for(Effect::DirectionalLights, || {
-                "a directional light".to_owned()
-            });
-        }
-        Emitter::Delta(Light::Point { .. }) => {
-            effects.call_for(Effect::PointLights, || "a point light".to_owned());
-        }
-        Emitter::Delta(Light::Spot { .. }) => {
-            effects.call_for(Effect::PointLights, || "a spot light".to_owned());
-        }
-        Emitter::Environment => {
-            effects.call_for(Effect::Environment, || "[environment]".to_owned());
-            let radiance = scene.environment.as_ref().map(|e| &e.radiance);
-            if let Some(EnvironmentRadiance::Map(map)) = radiance {
-                effects.call_for(Effect::EnvironmentMap, || {
-                    format!(
-                        "environment.file = {} ({} × {})",
-                        map.source, map.width, map.height
-                    )
-                });
-                if map.interpolation == Interpolation::Linear {
-                    effects.call_for(Effect::EnvironmentLinear, || {
-                        "environment.interpolation = \"linear\"".to_owned()
-                    });
-                }
-            }
-        }
-    }
+    rules.found
 }

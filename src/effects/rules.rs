@@ -1,0 +1,186 @@
+//! The questions that the rules of the table of effects ask.
+
+use super::{Effect, Effects};
+use crate::accel::{Primitive, PrimitiveGeometry};
+use crate::emitters::{Emitter, Emitters, Selection};
+use crate::scene::light::Interpolation;
+use crate::scene::{
+    EnvironmentMap, EnvironmentRadiance, LightSampling, Material, Sampler, Scene, ShadowPattern,
+    Strategy,
+};
+
+/// A scene, and the effects that it was found to call for so far.
+pub(super) struct Rules<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) primitives: &'a [Primitive],
+    pub(super) emitters: &'a Emitters,
+    pub(super) strategy: Strategy,
+    pub(super) found: Effects,
+}
+
+impl Rules<'_> {
+    fn has(&self, effect: Effect) -> bool {
+        self.found.contains(effect)
+    }
+
+    fn name_of(&self, primitive: &Primitive) -> String {
+        self.scene.shapes[primitive.shape.index()].name.clone()
+    }
+
+    /// The first shape for which `wanted` holds.
+    pub(super) fn shape(&self, wanted: fn(&PrimitiveGeometry) -> bool) -> Option<String> {
+        let found = self.primitives.iter().find(|p| wanted(&p.geometry));
+        found.map(|p| self.name_of(p))
+    }
+
+    /// The first material of a surface for which `why` says something.
+    pub(super) fn material(&self, why: fn(&Material) -> Option<String>) -> Option<String> {
+        let mut asked = vec![false; self.scene.materials.len()];
+        self.primitives.iter().find_map(|p| {
+            let index = p.material.index();
+            if std::mem::replace(&mut asked[index], true) {
+                return None;
+            }
+            let material = &self.scene.materials[index];
+            why(material).map(|why| format!("materials.{}: {why}", material.name))
+        })
+    }
+
+    /// The first shape that emits and for which `wanted` holds; the second argument tells whether light sampling chooses
+    /// it.
+    pub(super) fn emitting_shape(
+        &self,
+        wanted: fn(&PrimitiveGeometry, bool) -> bool,
+    ) -> Option<String> {
+        let mut lights = self.emitters.lights.iter().enumerate();
+        lights.find_map(|(index, light)| {
+            let Emitter::Area { primitive, .. } = light else {
+                return None;
+            };
+            let primitive = &self.primitives[*primitive as usize];
+            let sampled = self.emitters.probability(index) > 0.0;
+            wanted(&primitive.geometry, sampled)
+                .then(|| format!("{} emits", self.name_of(primitive)))
+        })
+    }
+
+    /// The first light for which `name` says something.
+    pub(super) fn light(&self, name: fn(&Emitter) -> Option<&'static str>) -> Option<String> {
+        self.emitters
+            .lights
+            .iter()
+            .find_map(name)
+            .map(str::to_owned)
+    }
+
+    fn map(&self) -> Option<&EnvironmentMap> {
+        let environment = self.scene.environment.as_ref()?;
+        match &environment.radiance {
+            EnvironmentRadiance::Map(map) if self.has(Effect::Environment) => Some(map),
+            _ => None,
+        }
+    }
+
+    pub(super) fn environment_map(&self) -> Option<String> {
+        self.map().map(|map| {
+            format!(
+                "environment.file = {} ({} × {})",
+                map.source, map.width, map.height
+            )
+        })
+    }
+
+    pub(super) fn environment_interpolation(&self) -> Option<String> {
+        let linear = self.map()?.interpolation == Interpolation::Linear;
+        linear.then(|| "environment.interpolation = \"linear\"".to_owned())
+    }
+
+    pub(super) fn light_choice(&self) -> Option<String> {
+        let lights = self.emitters.lights.len();
+        let one = matches!(self.emitters.selection, Some(Selection::One(_)));
+        (one && lights > 1).then(|| format!("{lights} lights"))
+    }
+
+    pub(super) fn all_lights(&self) -> Option<String> {
+        let all = matches!(self.emitters.selection, Some(Selection::All(_)));
+        all.then(|| format!("light selection all, {} lights", self.emitters.lights.len()))
+    }
+
+    /// Whether some light that is sampled has a surface, or is the environment.
+    fn samples_extended_lights(&self) -> bool {
+        let mut sampled = self.emitters.sampled();
+        sampled.any(|light| !matches!(light, Emitter::Delta(_)))
+    }
+
+    /// Called for where a second ray can differ from the first.
+    pub(super) fn shadow_rays(&self) -> Option<String> {
+        let rays = self.scene.render.shadow_rays;
+        let center = self.scene.render.shadow_pattern == ShadowPattern::Center;
+        let has_texels = self.emitters.environment.is_some()
+            && self.emitters.sampled().any(|l| *l == Emitter::Environment);
+        let chosen = self.has(Effect::LightChoice) && self.emitters.sampled().count() > 1;
+        let differ = chosen || has_texels || (self.samples_extended_lights() && !center);
+        (rays > 1 && differ).then(|| format!("shadow_rays = {rays}"))
+    }
+
+    /// Called for where its points can differ from others. A grid of one cell is its centre.
+    pub(super) fn shadow_pattern(&self, effect: ShadowPattern) -> Option<String> {
+        let asked = self.scene.render.shadow_pattern;
+        let extended = self.samples_extended_lights();
+        let several = self.has(Effect::ShadowRays);
+        let used = match asked {
+            ShadowPattern::Stratified if several => ShadowPattern::Stratified,
+            ShadowPattern::Grid if extended && several => ShadowPattern::Grid,
+            ShadowPattern::Grid | ShadowPattern::Center if extended => ShadowPattern::Center,
+            _ => return None,
+        };
+        (used == effect).then(|| format!("shadow_pattern = \"{asked}\""))
+    }
+
+    pub(super) fn light_sampling(&self) -> Option<String> {
+        self.emitters.selection.as_ref()?;
+        Some(if self.strategy.samples_lights() {
+            self.by_strategy()
+        } else {
+            "lights without a surface, which no other strategy reaches".to_owned()
+        })
+    }
+
+    fn by_strategy(&self) -> String {
+        format!("strategy {}", self.strategy)
+    }
+
+    pub(super) fn bsdf_sampling(&self) -> Option<String> {
+        let reachable = self.has(Effect::AreaLights) || self.has(Effect::Environment);
+        (self.strategy.samples_directions() && reachable).then(|| self.by_strategy())
+    }
+
+    /// What `strategy` alone does with sampled directions.
+    pub(super) fn directions(&self, strategy: Strategy) -> Option<String> {
+        (self.has(Effect::SampleBsdf) && self.strategy == strategy).then(|| self.by_strategy())
+    }
+
+    fn sampling_of_lights(&self) -> LightSampling {
+        match self.strategy {
+            Strategy::LightArea => LightSampling::Area,
+            Strategy::LightSolidAngle => LightSampling::SolidAngle,
+            Strategy::LightProjectedSolidAngle => LightSampling::ProjectedSolidAngle,
+            _ => self.scene.render.light_sampling,
+        }
+    }
+
+    pub(super) fn solid_angle_sampling(&self) -> Option<String> {
+        let area_lights = self.has(Effect::PlanarLights) || self.has(Effect::SphereLights);
+        let wanted = self.sampling_of_lights() != LightSampling::Area;
+        (area_lights && wanted).then(|| self.by_strategy())
+    }
+
+    pub(super) fn projected_sampling(&self) -> Option<String> {
+        let wanted = self.sampling_of_lights() == LightSampling::ProjectedSolidAngle;
+        (self.has(Effect::PlanarLights) && wanted).then(|| self.by_strategy())
+    }
+
+    pub(super) fn sampler(&self, sampler: Sampler) -> Option<String> {
+        (self.scene.render.sampler == sampler).then(|| format!("sampler {sampler}"))
+    }
+}
