@@ -23,6 +23,8 @@ use rayon::prelude::*;
 const VARIANCE_RADIUS: usize = 3;
 /// Pixels on each side of one that tell what it is without its noise.
 const MEAN_RADIUS: usize = 2;
+/// Pixels that they are.
+const LOCAL_PIXELS: f64 = ((2 * MEAN_RADIUS + 1) * (2 * MEAN_RADIUS + 1)) as f64;
 /// Confidence of the interval that is reported unless another is asked for.
 pub const CONFIDENCE: f64 = 0.95;
 
@@ -41,6 +43,14 @@ pub struct ImageError {
     pub confidence: f64,
 }
 
+/// What an image suggests for the square of the truth in one channel of a pixel.
+#[derive(Clone, Copy)]
+struct SquaredTruth {
+    square: f64,
+    /// The variance of its root over that of the pixel: k² + (1 − k²)/n of k times the pixel and 1 − k times the mean of n.
+    noise: f64,
+}
+
 impl Film {
     /// The image's error with an interval of 95 % confidence; see [`error_at`](Self::error_at).
     pub fn error(&self) -> Option<ImageError> {
@@ -51,8 +61,8 @@ impl Film {
     /// samples, one of each replicate, or when the image is black.
     ///
     /// In the denominators stands what the image suggests for the truth. That it is noisy makes the estimate too small or
-    /// too large, as errors are skewed or not; how much it may be is told by denominators with the noise added to them, and
-    /// the interval is so much wider.
+    /// too large, as errors are skewed or not; how much it may be is told by denominators with their noise added to them,
+    /// and the interval is so much wider.
     pub fn error_at(&self, confidence: f64) -> Option<ImageError> {
         let mean = self.mean();
         let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
@@ -65,9 +75,10 @@ impl Film {
         let terms = noise.par_iter().zip(&truth).map(|(noise, truth)| {
             let (mut term, mut with_noise) = (0.0, 0.0);
             for c in 0..3 {
-                let denominator = truth[c] + floor;
+                let denominator = truth[c].square + floor;
+                let its_noise = truth[c].noise * noise[c];
                 term += noise[c] / denominator / 3.0;
-                with_noise += noise[c] / (denominator + noise[c]) / 3.0;
+                with_noise += noise[c] / (denominator + its_noise) / 3.0;
             }
             [term, term - with_noise, term.powi(2), term.powi(4)]
         });
@@ -121,7 +132,7 @@ impl Film {
     /// 1980, "Digital Image Enhancement and Noise Filtering by Use of Local Statistics"). With x the value found so and h
     /// half the difference of what the replicates say, r² is taken as x² − h²·(1 − h²/x²): without the noise h² in x², but x²
     /// itself where one replicate alone has met any light (h = x), as nothing is known of such a pixel.
-    fn squared_truth(&self, noise: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
+    fn squared_truth(&self, noise: &[[f64; 3]]) -> Option<Vec<[SquaredTruth; 3]>> {
         let replicates: Option<Vec<_>> = self.pixels.iter().map(Pixel::replicates).collect();
         let replicates = replicates?;
         let values: Vec<_> = self.pixels.iter().map(|p| p.mean).collect();
@@ -137,7 +148,10 @@ impl Film {
                 let [a, b] = replicates[i].map(|r| mean + keep * (r[c] - mean));
                 let (square, noise) = ((0.5 * (a + b)).powi(2), (0.5 * (a - b)).powi(2));
                 let share = if square > noise { noise / square } else { 1.0 };
-                square * (1.0 - share * (1.0 - share))
+                SquaredTruth {
+                    square: square * (1.0 - share * (1.0 - share)),
+                    noise: keep * keep + (1.0 - keep * keep) / LOCAL_PIXELS,
+                }
             })
         });
         Some(truth.collect())
