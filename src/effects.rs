@@ -6,7 +6,7 @@
 
 mod rules;
 
-use crate::accel::{Primitive, PrimitiveGeometry as Shape};
+use crate::accel::{Attributes, Primitive, PrimitiveGeometry as Shape};
 use crate::emitters::{Emitter, Emitters};
 use crate::scene::{Light, Sampler, Scene, ShadowPattern, Strategy};
 use rules::Rules;
@@ -74,6 +74,14 @@ effects! {
     /// A microfacet lobe.
     Glossy "GLOSSY" "glossy" Simulation
         |r| r.material(|m| m.bsdf.parameters().specular.map(|lobe| format!("GGX with α = {:.4}", lobe.alpha)));
+    /// Vertex normals between which shading normals are interpolated.
+    SmoothNormals "SMOOTH_NORMALS" "smooth-normals" Simulation |r| r.attributed(|a| a.normals);
+    /// Textures of reflectance or base colour.
+    ColorTexture "COLOR_TEXTURE" "color-texture" Simulation |r| r.texture(|t| t.color);
+    /// Textures of metallic and roughness.
+    RoughnessTexture "ROUGHNESS_TEXTURE" "roughness-texture" Simulation |r| r.texture(|t| t.metallic_roughness);
+    /// Textures of shading normals.
+    NormalMap "NORMAL_MAP" "normal-map" Simulation |r| r.texture(|t| t.normal.map(|map| map.texture));
     /// Surfaces that emit.
     AreaLights "AREA_LIGHTS" "area-lights" Simulation |r| r.emitting_shape(|_, _| true);
     /// Triangles, rectangles or disks that emit and are sampled.
@@ -170,12 +178,14 @@ impl Effects {
 pub fn called_for(
     scene: &Scene,
     primitives: &[Primitive],
+    attributes: &Attributes,
     emitters: &Emitters,
     strategy: Strategy,
 ) -> Effects {
     let mut rules = Rules {
         scene,
         primitives,
+        attributes,
         emitters,
         strategy,
         found: Effects::default(),

@@ -144,6 +144,18 @@ pub enum GpuError {
         /// The adapter's name.
         adapter: String,
     },
+    /// The scene has more of something than the adapter allows.
+    #[error("there are {needed} {what}, but {adapter} allows {limit}")]
+    TooMany {
+        /// What there is too much of.
+        what: String,
+        /// How many the scene needs.
+        needed: u64,
+        /// The adapter's limit.
+        limit: u64,
+        /// The adapter's name.
+        adapter: String,
+    },
     /// The device could not be opened.
     #[error("{adapter}: the device could not be opened: {message}")]
     Device {
@@ -193,7 +205,10 @@ impl GpuError {
     fn is_about_the_request(&self) -> bool {
         matches!(
             self,
-            Self::NoAdapter | Self::NoSuchAdapter { .. } | Self::TooLarge { .. }
+            Self::NoAdapter
+                | Self::NoSuchAdapter { .. }
+                | Self::TooLarge { .. }
+                | Self::TooMany { .. }
         )
     }
 }

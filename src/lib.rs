@@ -72,10 +72,9 @@
 //!
 //! # What is awkward today
 //!
-//! - Shading normals, textures and alpha are read past, with a warning each.
+//! - Alpha and emissive textures are read past, with a warning each.
 //! - The BVH's boxes lie on one 16-bit grid over the scene: where detail is finer than 1/65,535 of the scene's size,
 //!   boxes are looser than they need be.
-//! - The error that a render reports comes from the samples' own variance; it holds for independent samples.
 
 pub mod accel;
 pub mod cli;

@@ -3,10 +3,12 @@
 //! [`mod@primitives`] flattens shapes into triangles, rectangles, disks and spheres in normalised space; [`mod@build`] makes
 //! a binary BVH (by `obvhs`); [`flatten`] turns it into the nodes that the GPU reads.
 
+pub mod attributes;
 pub mod build;
 pub mod flatten;
 pub mod primitives;
 
+pub use attributes::{Attributed, Attributes};
 pub use build::build;
 pub use flatten::{Bvh, Node};
 pub use primitives::{Primitive, PrimitiveGeometry, primitives};

@@ -13,6 +13,8 @@ pub struct Primitive {
     pub material: MaterialId,
     /// The shape that it is a part of.
     pub shape: ShapeId,
+    /// Which of a mesh's triangles it is; 0 of other shapes.
+    pub part: u32,
 }
 
 /// Geometry of a primitive. A planar one holds the points `a + s·u + t·v`; its normal is `u × v`.
@@ -102,12 +104,15 @@ impl PrimitiveGeometry {
 pub fn primitives(scene: &Scene, normalization: &Normalization) -> Vec<Primitive> {
     let mut out = Vec::new();
     for (index, shape) in scene.shapes.iter().enumerate() {
+        let mut part = 0;
         let mut push = |geometry| {
             out.push(Primitive {
                 geometry,
                 material: shape.material,
                 shape: ShapeId(index as u32),
+                part,
             });
+            part += 1;
         };
         match &shape.geometry {
             Geometry::Rectangle { corner, u, v } => push(PrimitiveGeometry::Rectangle {

@@ -249,12 +249,13 @@ fn mark(passed: bool) -> &'static str {
 fn per_sample_text(out: &mut String, c: &per_sample::PerSample) {
     let _ = writeln!(
         out,
-        "per sample   {}: {} samples with the same random numbers; of {} that carry light {:.4} % agree within 1e-4, {:.4} % within 1e-3 ({} % needed)",
+        "per sample   {}: {} samples with the same random numbers; of {} that carry light {:.4} % agree within 1e-4, {:.4} % within 1e-3, {:.4} % within that or rounding of the camera ray ({} % needed)",
         mark(c.agrees()),
         c.samples,
         c.lit,
         100.0 * c.within_1e_4,
         100.0 * c.within_1e_3,
+        100.0 * (1.0 - c.unexplained),
         100.0 * (1.0 - per_sample::MAX_BEYOND),
     );
     let _ = writeln!(

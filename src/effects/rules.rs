@@ -1,18 +1,19 @@
 //! The questions that the rules of the table of effects ask.
 
 use super::{Effect, Effects};
-use crate::accel::{Primitive, PrimitiveGeometry};
+use crate::accel::{Attributed, Attributes, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Emitters, Selection};
 use crate::scene::light::Interpolation;
 use crate::scene::{
-    EnvironmentMap, EnvironmentRadiance, LightSampling, Material, Sampler, Scene, ShadowPattern,
-    Strategy,
+    EnvironmentMap, EnvironmentRadiance, LightSampling, Material, MaterialTextures, Sampler, Scene,
+    ShadowPattern, Strategy, TextureUse,
 };
 
 /// A scene, and the effects that it was found to call for so far.
 pub(super) struct Rules<'a> {
     pub(super) scene: &'a Scene,
     pub(super) primitives: &'a [Primitive],
+    pub(super) attributes: &'a Attributes,
     pub(super) emitters: &'a Emitters,
     pub(super) strategy: Strategy,
     pub(super) found: Effects,
@@ -43,6 +44,30 @@ impl Rules<'_> {
             }
             let material = &self.scene.materials[index];
             why(material).map(|why| format!("materials.{}: {why}", material.name))
+        })
+    }
+
+    /// The first primitive for whose attributes `wanted` holds.
+    pub(super) fn attributed(&self, wanted: fn(&Attributed) -> bool) -> Option<String> {
+        let primitives = self.primitives.iter().zip(&self.attributes.of_primitive);
+        let mut primitives = primitives.filter(|(_, attributes)| wanted(attributes));
+        primitives.next().map(|(p, _)| self.name_of(p))
+    }
+
+    /// The first texture that `which` names and that a surface with texture coordinates reads.
+    pub(super) fn texture(
+        &self,
+        which: fn(&MaterialTextures) -> Option<TextureUse>,
+    ) -> Option<String> {
+        let primitives = self.primitives.iter().zip(&self.attributes.of_primitive);
+        let mut primitives = primitives.filter(|(_, attributes)| attributes.uvs);
+        primitives.find_map(|(p, _)| {
+            let material = &self.scene.materials[p.material.index()];
+            let texture = &self.scene.textures[which(&material.textures)?.texture.index()];
+            Some(format!(
+                "materials.{}: {} ({} × {})",
+                material.name, texture.source, texture.width, texture.height
+            ))
         })
     }
 

@@ -15,6 +15,7 @@ pub struct SceneKernel {
     pipeline: wgpu::ComputePipeline,
     pass_layout: wgpu::BindGroupLayout,
     scene_layout: wgpu::BindGroupLayout,
+    scene_bindings: Vec<u32>,
     own_layout: Option<wgpu::BindGroupLayout>,
     label: &'static str,
     wgsl: String,
@@ -88,16 +89,45 @@ const TEXELS: wgpu::BindingType = wgpu::BindingType::Texture {
     multisampled: false,
 };
 
+const LAYERS: wgpu::BindingType = wgpu::BindingType::Texture {
+    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+    view_dimension: wgpu::TextureViewDimension::D2Array,
+    multisampled: false,
+};
+
+/// The bindings of group 1 that a kernel with `effects` has; see `shaders/scene/bindings.wesl`.
+fn scene_types(effects: &Effects) -> Vec<(u32, wgpu::BindingType)> {
+    let any = |of: &[Effect]| of.iter().any(|e| effects.contains(*e));
+    let mut types = numbered(&[READ; 5]);
+    if any(&[Effect::EnvironmentMap]) {
+        types.extend([(5, READ), (6, TEXELS)]);
+    }
+    let data = [Effect::RoughnessTexture, Effect::NormalMap];
+    if any(&data) || any(&[Effect::SmoothNormals, Effect::ColorTexture]) {
+        types.push((7, READ));
+    }
+    if any(&[Effect::ColorTexture]) {
+        types.push((8, LAYERS));
+    }
+    if any(&data) {
+        types.push((9, LAYERS));
+    }
+    types
+}
+
+fn numbered(types: &[wgpu::BindingType]) -> Vec<(u32, wgpu::BindingType)> {
+    (0..).zip(types.iter().copied()).collect()
+}
+
 fn layout(
     device: &wgpu::Device,
     label: &str,
-    types: &[wgpu::BindingType],
+    types: &[(u32, wgpu::BindingType)],
 ) -> wgpu::BindGroupLayout {
     let entries: Vec<_> = types
         .iter()
-        .enumerate()
         .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
-            binding: binding as u32,
+            binding: *binding,
             visibility: wgpu::ShaderStages::COMPUTE,
             ty: *ty,
             count: None,
@@ -109,19 +139,15 @@ fn layout(
     })
 }
 
-fn bind(
+fn bind<'a>(
     device: &wgpu::Device,
     label: &str,
     layout: &wgpu::BindGroupLayout,
-    resources: Vec<wgpu::BindingResource<'_>>,
+    resources: impl IntoIterator<Item = (u32, wgpu::BindingResource<'a>)>,
 ) -> wgpu::BindGroup {
+    let resources = resources.into_iter();
     let entries: Vec<_> = resources
-        .into_iter()
-        .enumerate()
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding: binding as u32,
-            resource,
-        })
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
         .collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some(label),
@@ -147,14 +173,11 @@ impl SceneKernel {
         let device = &context.device;
         let name = entry.name;
         let pass_types = [UNIFORM, UNIFORM, READ_WRITE, READ_WRITE];
-        let pass_layout = layout(device, &format!("{name}.pass"), &pass_types);
-        let mut scene_types = vec![READ; 5];
-        if effects.contains(Effect::EnvironmentMap) {
-            scene_types.extend([READ, TEXELS]);
-        }
+        let pass_layout = layout(device, &format!("{name}.pass"), &numbered(&pass_types));
+        let scene_types = scene_types(effects);
         let scene_layout = layout(device, &format!("{name}.scene"), &scene_types);
-        let own_layout =
-            (!entry.own.is_empty()).then(|| layout(device, &format!("{name}.own"), entry.own));
+        let own_layout = (!entry.own.is_empty())
+            .then(|| layout(device, &format!("{name}.own"), &numbered(entry.own)));
         let mut groups = vec![Some(&pass_layout), Some(&scene_layout)];
         groups.extend(own_layout.as_ref().map(Some));
         let pipeline = context
@@ -185,6 +208,10 @@ impl SceneKernel {
             pipeline,
             pass_layout,
             scene_layout,
+            scene_bindings: scene_types
+                .into_iter()
+                .map(|(binding, _)| binding)
+                .collect(),
             own_layout,
             label: name,
             wgsl,
@@ -205,28 +232,37 @@ impl SceneKernel {
         pixels: &GpuBuffer<PixelState>,
         unfinished: &GpuBuffer<u32>,
     ) -> RegionBindings {
-        let resources = vec![
+        let resources = [
             frame.binding(),
             dispatch.binding(),
             pixels.binding(),
             unfinished.binding(),
         ];
+        let resources = (0..).zip(resources);
         RegionBindings(bind(device, self.label, &self.pass_layout, resources))
     }
 
     /// Binds the scene.
     pub fn bind_scene(&self, device: &wgpu::Device, scene: &SceneBuffers) -> SceneBindings {
-        let mut resources = vec![
+        let resources = [
             scene.nodes.binding(),
             scene.primitives.binding(),
             scene.materials.binding(),
             scene.lights.binding(),
             scene.light_alias.binding(),
         ];
+        let texture = wgpu::BindingResource::TextureView;
+        let mut resources: Vec<_> = (0..).zip(resources).collect();
         if let Some(environment) = &scene.environment {
-            resources.push(environment.alias.binding());
-            resources.push(wgpu::BindingResource::TextureView(&environment.texels));
+            resources.push((5, environment.alias.binding()));
+            resources.push((6, texture(&environment.texels)));
         }
+        resources.extend([
+            (7, scene.attributes.binding()),
+            (8, texture(&scene.textures.colors.view)),
+            (9, texture(&scene.textures.data.view)),
+        ]);
+        resources.retain(|(binding, _)| self.scene_bindings.contains(binding));
         SceneBindings(bind(device, self.label, &self.scene_layout, resources))
     }
 
@@ -241,7 +277,7 @@ impl SceneKernel {
     ) -> OwnBindings {
         let layout = self.own_layout.as_ref();
         let layout = layout.expect("only kernels with bindings of their own bind them");
-        OwnBindings(bind(device, self.label, layout, resources))
+        OwnBindings(bind(device, self.label, layout, (0..).zip(resources)))
     }
 
     /// Records one dispatch of `workgroups` workgroups.

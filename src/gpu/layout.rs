@@ -187,6 +187,18 @@ shared! {
     "scene::fetch" KIND_SPHERE = 3;
     /// Set in a primitive's head where its back does not exist.
     "scene::fetch" ONE_SIDED_BIT = 4;
+    /// Set where a primitive has vertex normals.
+    "scene::fetch" HAS_NORMALS = 1;
+    /// Set where a primitive has texture coordinates that its material reads.
+    "scene::fetch" HAS_UVS = 2;
+    /// An image again outside of itself.
+    "scene::texture" WRAP_REPEAT = 0;
+    /// Mirrored.
+    "scene::texture" WRAP_MIRROR = 1;
+    /// Continued by its edge.
+    "scene::texture" WRAP_CLAMP = 2;
+    /// Set beside the wrapping modes where an image is constant in each texel.
+    "scene::texture" NEAREST_BIT = 16;
     /// A triangle that emits.
     "scene::fetch" LIGHT_TRIANGLE = 0;
     /// A rectangle that emits.

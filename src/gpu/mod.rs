@@ -6,10 +6,12 @@ pub mod doctor;
 pub mod environment;
 pub mod kernel;
 pub mod layout;
+mod materials;
 pub mod program;
 pub mod recorder;
 pub mod scene_buffers;
 pub mod shader;
+pub mod textures;
 
 pub use buffer::GpuBuffer;
 pub use context::{AdapterFacts, Context};

@@ -4,11 +4,13 @@ use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::environment::EnvironmentBuffers;
 use super::layout::{
-    Frame, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
-    LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
-    NONE, ONE_SIDED_BIT, SKEWED_BIT, TILE, TWO_SIDED_BIT,
+    Frame, HAS_NORMALS, HAS_UVS, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE,
+    LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE,
+    LIGHT_SPOT, LIGHT_TRIANGLE, NONE, ONE_SIDED_BIT, SKEWED_BIT, TILE, TWO_SIDED_BIT,
 };
-use crate::accel::{Node, Primitive, PrimitiveGeometry};
+use super::materials::material_words;
+use super::textures::TextureArrays;
+use crate::accel::{Attributed, Node, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Selection};
 use crate::error::GpuError;
 use crate::render::Prepared;
@@ -26,7 +28,7 @@ pub struct SceneBuffers {
     pub nodes: GpuBuffer<Node>,
     /// Three words per primitive.
     pub primitives: GpuBuffer<Word>,
-    /// Two words per material.
+    /// Two words per material, and those of textures.
     pub materials: GpuBuffer<Word>,
     /// Four words per light.
     pub lights: GpuBuffer<Word>,
@@ -34,6 +36,10 @@ pub struct SceneBuffers {
     pub light_alias: GpuBuffer<Word>,
     /// The environment map, when there is one.
     pub environment: Option<EnvironmentBuffers>,
+    /// Three words per triangle with vertex normals or texture coordinates.
+    pub attributes: GpuBuffer<Word>,
+    /// Textures of materials.
+    pub textures: TextureArrays,
 }
 
 impl SceneBuffers {
@@ -43,7 +49,10 @@ impl SceneBuffers {
     /// A buffer or the environment map is larger than the adapter binds, or memory runs out.
     pub fn new(context: &Context, prepared: &Prepared) -> Result<Self, GpuError> {
         let primitives = primitive_words(prepared);
-        let materials = material_words(&prepared.scene);
+        let attributes = attribute_words(prepared);
+        let textures = TextureArrays::new(context, &prepared.scene)?;
+        let atlases = [&textures.colors.atlas, &textures.data.atlas];
+        let materials = material_words(&prepared.scene, atlases);
         let lights = light_words(prepared);
         let table = prepared.emitters.selection.as_ref();
         let table = table.and_then(Selection::table);
@@ -55,6 +64,10 @@ impl SceneBuffers {
                 size_of_val(prepared.bvh.nodes.as_slice()),
             ),
             ("the primitives", size_of_val(primitives.as_slice())),
+            (
+                "the vertex normals and texture coordinates",
+                size_of_val(attributes.as_slice()),
+            ),
             ("the materials", size_of_val(materials.as_slice())),
             ("the lights", size_of_val(lights.as_slice())),
         ] {
@@ -75,6 +88,8 @@ impl SceneBuffers {
             lights: GpuBuffer::storage(device, "scene.lights", &lights),
             light_alias: GpuBuffer::storage(device, "scene.light_alias", &alias),
             environment,
+            attributes: GpuBuffer::storage(device, "scene.attributes", &attributes),
+            textures,
         })
     }
 }
@@ -96,13 +111,13 @@ fn check_size(context: &Context, what: &str, needed: u64) -> Result<(), GpuError
 }
 
 /// A vector and one more component, as f32 bits.
-fn word(v: DVec3, w: u32) -> Word {
+pub(super) fn word(v: DVec3, w: u32) -> Word {
     let [x, y, z] = v.as_vec3().to_array().map(f32::to_bits);
     [x, y, z, w]
 }
 
 /// f64 to the bits of an f32.
-fn bits(x: f64) -> u32 {
+pub(super) fn bits(x: f64) -> u32 {
     (x as f32).to_bits()
 }
 
@@ -113,18 +128,26 @@ fn primitive_words(prepared: &Prepared) -> Vec<Word> {
             light_of[*primitive as usize] = light as u32;
         }
     }
-    let words = prepared.primitives.iter().zip(&light_of);
+    let attributes = prepared.attributes.of_primitive.iter();
+    let words = prepared.primitives.iter().zip(&light_of).zip(attributes);
     words
-        .flat_map(|(p, &light)| one_primitive(&prepared.scene, p, light))
+        .flat_map(|((p, &light), a)| one_primitive(&prepared.scene, p, light, a))
         .collect()
 }
 
-fn one_primitive(scene: &Scene, p: &Primitive, light: u32) -> [Word; 3] {
+fn one_primitive(scene: &Scene, p: &Primitive, light: u32, attributed: &Attributed) -> [Word; 3] {
+    let flag = |set: bool, bit: u32| if set { bit } else { 0 };
+    let has = flag(attributed.normals, HAS_NORMALS) | flag(attributed.uvs, HAS_UVS);
+    let attributes = attributed.index << 2 | has;
     let one_sided = !scene.materials[p.material.index()].double_sided;
     let side = if one_sided { ONE_SIDED_BIT } else { 0 };
     let head = |kind: u32| kind | side | p.material.0 << 3;
     let planar = |kind: u32, a: DVec3, u: DVec3, v: DVec3| {
-        [word(a, head(kind)), word(a + u, light), word(a + v, 0)]
+        [
+            word(a, head(kind)),
+            word(a + u, light),
+            word(a + v, attributes),
+        ]
     };
     match p.geometry {
         PrimitiveGeometry::Triangle { a, u, v } => planar(KIND_TRIANGLE, a, u, v),
@@ -138,11 +161,12 @@ fn one_primitive(scene: &Scene, p: &Primitive, light: u32) -> [Word; 3] {
     }
 }
 
-fn material_words(scene: &Scene) -> Vec<Word> {
-    let words = scene.materials.iter().flat_map(|m| {
-        let p = m.bsdf.parameters();
-        let (f0, alpha) = p.specular.map_or((DVec3::ZERO, 0.0), |s| (s.f0, s.alpha));
-        [word(p.diffuse, bits(alpha)), word(f0, 0)]
+fn attribute_words(prepared: &Prepared) -> Vec<Word> {
+    let triangles = prepared.attributes.triangles.iter();
+    let words = triangles.flat_map(|t| {
+        let pair = |a: [f32; 2], b: [f32; 2]| [a[0], a[1], b[0], b[1]].map(f32::to_bits);
+        let ([na, nb, nc], [ta, tb, tc]) = (t.normals, t.uvs);
+        [pair(na, nb), pair(nc, ta), pair(tb, tc)]
     });
     words.collect()
 }

@@ -1,6 +1,6 @@
 //! From a scene to everything that the GPU needs.
 
-use crate::accel::{self, Bvh, Primitive};
+use crate::accel::{self, Attributes, Bvh, Primitive};
 use crate::effects::{self, Effect, Effects};
 use crate::emitters::Emitters;
 use crate::scene::normalize::Normalization;
@@ -15,6 +15,8 @@ pub struct Prepared {
     pub normalization: Normalization,
     /// Primitives in leaf order.
     pub primitives: Vec<Primitive>,
+    /// Their vertex normals and texture coordinates.
+    pub attributes: Attributes,
     /// The hierarchy over them.
     pub bvh: Bvh,
     /// The lights and how they are chosen.
@@ -33,12 +35,14 @@ impl Prepared {
         let mut primitives = accel::primitives(&scene, &normalization);
         let bvh = accel::build(&mut primitives);
         let accel_seconds = start.elapsed().as_secs_f64();
+        let attributes = Attributes::new(&scene, &primitives);
         let emitters = Emitters::new(&scene, &normalization, &primitives, strategy, selection);
-        let effects = effects::called_for(&scene, &primitives, &emitters, strategy);
+        let effects = effects::called_for(&scene, &primitives, &attributes, &emitters, strategy);
         Self {
             scene,
             normalization,
             primitives,
+            attributes,
             bvh,
             emitters,
             effects,

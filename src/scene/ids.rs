@@ -11,6 +11,17 @@ impl MaterialId {
     }
 }
 
+/// Index into [`Scene::textures`](super::Scene::textures).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TextureId(pub u32);
+
+impl TextureId {
+    /// The index as `usize`.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// Index into [`Scene::shapes`](super::Scene::shapes).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ShapeId(pub u32);

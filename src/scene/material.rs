@@ -1,5 +1,6 @@
 //! Surfaces: a BSDF, and whether its back exists.
 
+use super::texture::{MaterialTextures, TexturedFactors};
 use glam::DVec3;
 
 /// How a surface scatters light.
@@ -12,6 +13,8 @@ pub struct Material {
     /// With `false` the back of the surface does not exist: rays pass through it (back-face culling, glTF's
     /// `doubleSided = false`). With `true` both sides scatter alike.
     pub double_sided: bool,
+    /// What varies over the surface.
+    pub textures: MaterialTextures,
 }
 
 /// The scattering functions of a scene file. All reflect only.
@@ -64,6 +67,28 @@ impl Bsdf {
     pub const MIN_ALPHA: f64 = 1e-4;
     /// Reflectance of a dielectric with index of refraction 1.5 at normal incidence.
     pub const DIELECTRIC_F0: f64 = 0.04;
+
+    /// This BSDF where its material's textures say `factors`.
+    pub fn textured(self, factors: &TexturedFactors) -> Self {
+        match self {
+            Self::Lambert { reflectance } => Self::Lambert {
+                reflectance: reflectance * factors.color,
+            },
+            Self::Conductor { reflectance, alpha } => Self::Conductor {
+                reflectance: reflectance * factors.color,
+                alpha,
+            },
+            Self::MetallicRoughness {
+                base_color,
+                metallic,
+                roughness,
+            } => Self::MetallicRoughness {
+                base_color: base_color * factors.color,
+                metallic: metallic * factors.metallic,
+                roughness: roughness * factors.roughness,
+            },
+        }
+    }
 
     /// The lobes this BSDF comes down to.
     pub fn parameters(&self) -> BsdfParameters {

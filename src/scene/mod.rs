@@ -16,16 +16,18 @@ mod range;
 pub mod settings;
 pub mod shadow_rays;
 pub mod shape;
+pub mod texture;
 pub mod validate;
 
 pub use camera::{Camera, FilmSize};
 pub use expect::{Expect, ExpectedRadiance};
-pub use ids::{MaterialId, ShapeId};
+pub use ids::{MaterialId, ShapeId, TextureId};
 pub use light::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
 pub use material::{Bsdf, Material};
 pub use settings::{LightSampling, LightSelection, RenderSettings, Sampler, Strategy};
 pub use shadow_rays::{ShadowGrid, ShadowPattern};
 pub use shape::{Emission, Geometry, Mesh, Shape};
+pub use texture::{MaterialTextures, NormalMap, Texels, Texture, TextureUse, Wrap};
 
 /// Everything that is rendered, in world space and f64.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +40,8 @@ pub struct Scene {
     pub film: FilmSize,
     /// Surfaces' materials.
     pub materials: Vec<Material>,
+    /// Images that materials read.
+    pub textures: Vec<Texture>,
     /// Surfaces.
     pub shapes: Vec<Shape>,
     /// Lights without a surface.

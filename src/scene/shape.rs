@@ -1,7 +1,7 @@
 //! Geometry, in world space and f64.
 
 use super::ids::MaterialId;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A surface of the scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,6 +88,10 @@ pub struct Mesh {
     pub positions: Vec<DVec3>,
     /// Three vertex indices per triangle, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
+    /// Shading normals, one per position, or none: then the triangles are flat. Not necessarily of unit length.
+    pub normals: Vec<DVec3>,
+    /// Texture coordinates, one per position, or none; (0, 0) is the upper left corner of an image.
+    pub uvs: Vec<DVec2>,
 }
 
 /// What a surface emits, the same in all directions of its emitting sides.

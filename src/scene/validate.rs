@@ -24,6 +24,7 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
     check.camera(&scene.camera)?;
     for material in &scene.materials {
         check.material(material)?;
+        check.textures(material, scene.textures.len())?;
     }
     for shape in &scene.shapes {
         check.shape(shape, scene.materials.len())?;
@@ -137,6 +138,31 @@ impl Check<'_> {
         }
     }
 
+    fn textures(&self, material: &Material, textures: usize) -> Outcome {
+        let field = || format!("materials.{}.textures", material.name);
+        for texture in material.textures.uses() {
+            self.require(
+                texture.texture.index() < textures,
+                field,
+                || format!("is texture {} of {textures}", texture.texture.0),
+                "an index into the scene's textures",
+            )?;
+            self.require(
+                texture.transform.is_finite(),
+                field,
+                || format!("are repeated {} times", texture.transform.matrix2),
+                "finite numbers",
+            )?;
+        }
+        let scale = material.textures.normal.map_or(1.0, |map| map.scale);
+        self.require(
+            scale.is_finite(),
+            || format!("{}.normal_scale", field()),
+            || format!("is {scale}"),
+            "a finite number",
+        )
+    }
+
     fn shape(&self, shape: &Shape, materials: usize) -> Outcome {
         let field = shape.field();
         if let Some(Emission { radiance, .. }) = shape.emission {
@@ -187,7 +213,19 @@ impl Check<'_> {
             || field.to_owned(),
             || format!("vertex index {} is out of range", outside.unwrap_or(&0)),
             "indices below the number of positions",
-        )
+        )?;
+        for (count, what) in [
+            (mesh.normals.len(), "normals"),
+            (mesh.uvs.len(), "texture coordinates"),
+        ] {
+            self.require(
+                count == 0 || count == mesh.positions.len(),
+                || field.to_owned(),
+                || format!("has {count} {what} for {} positions", mesh.positions.len()),
+                "as many as positions, or none",
+            )?;
+        }
+        Ok(())
     }
 
     fn power(&self, value: DVec3, field: impl FnOnce() -> String) -> Outcome {

@@ -102,6 +102,7 @@ fn half_a_triangle_below_the_horizon_does_not_count() {
             DVec3::new(-1.0, -0.5, 2.0),
         ],
         triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
     });
     for strategy in STRATEGIES {
         let mut scene = lit_by(triangle.clone(), true);

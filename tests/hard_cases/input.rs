@@ -89,6 +89,7 @@ fn triangles_that_are_none_change_no_pixel() {
         geometry: Geometry::Mesh(Mesh {
             positions,
             triangles: vec![[0, 0, 1], [0, 1, 2]],
+            ..Mesh::default()
         }),
         material: kept.shapes[1].material,
         emission: Some(Emission {

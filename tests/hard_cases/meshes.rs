@@ -176,6 +176,7 @@ pub(super) fn triangle(a: DVec3, b: DVec3, c: DVec3) -> Mesh {
     Mesh {
         positions: vec![a, b, c],
         triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
     }
 }
 

@@ -4,7 +4,7 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::direction;
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, call, words};
-use crate::support::{context, edge_points};
+use crate::support::{context, edge_points, render, scene};
 use glam::DVec3;
 
 const IMPORTS: &str = "import package::bsdf::bsdf::{eval_bsdf, sample_bsdf};
@@ -153,6 +153,30 @@ fn light_from_below_the_surface_is_not_reflected() {
             textbook: "|n·ω_i| in place of n·ω_i",
             naive: answers.f64(3).fold(0.0, f64::max),
             ours: answers.vec3(0).map(|f| f.max_element()).fold(0.0, f64::max),
+        },
+    );
+}
+
+/// The floor's vertex normals lean 30° towards a light 10° below it: cos 70° of the shading normal is light that leaks.
+#[test]
+fn light_does_not_leak_through_shading_normals() {
+    let context = context();
+    let scene = scene("scenes/tests/smooth_normals_from_below.toml");
+    let irradiance = 10.0;
+    let film = render(&context, scene);
+    let leaked = film.pixels[0].mean[0];
+    let (sin, cos) = 10_f64.to_radians().sin_cos();
+    let shading_normal = DVec3::new(0.5, 0.0, 0.75_f64.sqrt());
+    survive(
+        &context,
+        Measured {
+            entry: "B6",
+            case: "light 10° below a surface whose shading normal leans 30° towards it",
+            figure: "radiance per ρE/π",
+            bound: 0.0,
+            textbook: "the cosine of the shading normal alone",
+            naive: shading_normal.dot(DVec3::new(cos, 0.0, -sin)),
+            ours: leaked / (0.5 * irradiance / std::f64::consts::PI),
         },
     );
 }

@@ -47,6 +47,7 @@ fn fan(corners: &[DVec3]) -> Geometry {
     Geometry::Mesh(Mesh {
         positions: corners.to_vec(),
         triangles: (1..last).map(|i| [0, i, i + 1]).collect(),
+        ..Mesh::default()
     })
 }
 

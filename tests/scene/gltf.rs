@@ -1,6 +1,7 @@
 //! glTF and GLB files: what they bring, and what they leave out with a warning.
 
 use super::files::{Folder, glb, load_gltf, triangle_glb, triangle_gltf, with};
+use super::textures::{png, with_texture};
 use crate::support::shared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{Bsdf, Geometry, Light, Mesh, Scene};
@@ -195,11 +196,12 @@ fn what_is_left_out_is_said_once() {
             {
                 "alphaMode": "BLEND",
                 "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
-                "normalTexture": { "index": 0 }
+                "occlusionTexture": { "index": 0 }
             },
-            { "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }
+            { "emissiveTexture": { "index": 0 } }
         ]),
     );
+    let json = with_texture(json, &png(&[[255, 0, 0], [0, 255, 0]]));
     let json = with(
         json,
         "/meshes/0/primitives",
@@ -231,10 +233,10 @@ fn what_is_left_out_is_said_once() {
     assert_eq!(
         scene.warnings,
         [
-            "scene.gltf: textures are not supported yet: baseColorTexture of 2 materials is ignored, their factors are used",
-            "scene.gltf: textures are not supported yet: normalTexture of 1 material is ignored, surfaces are shaded flat",
+            "scene.gltf: occlusionTexture of 1 material is ignored, shadow rays are traced instead",
+            "scene.gltf: emissiveTexture of 1 material is ignored, its factors are used",
             "scene.gltf: alphaMode BLEND of 1 material is not supported: rendered opaque",
-            "scene.gltf: vertex normals of 2 primitives are not supported yet: surfaces are shaded flat",
+            "scene.gltf: textures of 1 primitive have no texture coordinates: their factors are used",
             "scene.gltf: vertex colours of 1 primitive are not supported and ignored",
             "scene.gltf: morph targets of 1 primitive are not supported: the base shape is rendered",
             "scene.gltf: points and lines of 1 primitive are not rendered",

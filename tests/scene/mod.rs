@@ -9,4 +9,5 @@ mod gltf;
 mod meshes;
 mod repository;
 mod shadow_rays;
+mod textures;
 mod toml;

@@ -21,6 +21,7 @@ pub fn every_kind(environment: Environment) -> Scene {
                 alpha: 0.2,
             },
             double_sided: false,
+            ..lambert(0.0)
         },
         Material {
             name: "plastic".to_owned(),
@@ -29,7 +30,7 @@ pub fn every_kind(environment: Environment) -> Scene {
                 metallic: 0.25,
                 roughness: 0.4,
             },
-            double_sided: true,
+            ..lambert(0.0)
         },
     ];
     let geometries = |shift: DVec3| {
@@ -46,6 +47,7 @@ pub fn every_kind(environment: Environment) -> Scene {
                     DVec3::new(2.6, 0.7, 2.1) + shift,
                 ],
                 triangles: vec![[0, 1, 2]],
+                ..Mesh::default()
             }),
             Geometry::Disk {
                 center: DVec3::new(-1.5, 2.0, 1.8) + shift,

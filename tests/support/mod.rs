@@ -13,8 +13,8 @@ use direkt::gpu::Context;
 use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
-    Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings,
-    Sampler, Scene, Shape, Strategy,
+    Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, MaterialTextures,
+    RenderSettings, Sampler, Scene, Shape, Strategy,
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
@@ -137,6 +137,7 @@ pub fn lambert(reflectance: f64) -> Material {
             reflectance: DVec3::splat(reflectance),
         },
         double_sided: true,
+        textures: MaterialTextures::default(),
     }
 }
 
@@ -186,6 +187,7 @@ pub fn floor_pixel() -> Scene {
             height: 1,
         },
         materials: vec![lambert(0.5)],
+        textures: vec![],
         shapes: vec![shape("floor", floor)],
         lights: vec![],
         environment: None,

@@ -3,6 +3,7 @@
 pub mod bvh;
 pub mod frame;
 pub mod math;
+pub mod octahedral;
 pub mod pdf;
 pub mod ray;
 pub mod ray_planar;

@@ -38,6 +38,9 @@ pub enum NotExact {
         "[environment]: exact visibility is known for polygons only, not for the sky between them"
     )]
     Environment,
+    /// Normals that are not the polygons'.
+    #[error("{0} has shading normals; exact irradiance is known for flat polygons only")]
+    ShadingNormals(String),
     /// Too many polygons.
     #[error("{0} polygons; at most {MAX_POLYGONS} are clipped against each other")]
     TooMany(usize),
@@ -72,11 +75,12 @@ impl<'a> ExactScene<'a> {
             PrimitiveGeometry::Triangle { a, u, v } => Ok(vec![a, a + u, a + v]),
             PrimitiveGeometry::Rectangle { a, u, v } => Ok(vec![a, a + u, a + u + v, a + v]),
             PrimitiveGeometry::Disk { .. } | PrimitiveGeometry::Sphere { .. } => {
-                let shape = world.prepared.primitives[i].shape;
-                let name = &world.prepared.scene.shapes[shape.index()].name;
-                Err(NotExact::Curved(name.clone()))
+                Err(NotExact::Curved(world.name_of(i)))
             }
         };
+        if let Some(i) = (0..world.primitives.len()).find(|&i| world.has_shading_normals(i)) {
+            return Err(NotExact::ShadingNormals(world.name_of(i)));
+        }
         let polygons = (0..world.primitives.len()).map(vertices);
         Ok(Self {
             polygons: polygons.collect::<Result<_, _>>()?,

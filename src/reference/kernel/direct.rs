@@ -31,7 +31,7 @@ use crate::reference::light::light::{
     pdf_environment, sample_chosen_light,
 };
 use crate::reference::scene::fetch::World;
-use crate::reference::scene::surface::{Surface, shadow_ray, surface_at};
+use crate::reference::scene::surface::{Surface, is_above, shadow_ray, surface_at};
 use crate::reference::scene::trace::{any_hit, closest_hit};
 use crate::render::Prepared;
 use crate::scene::FilmSize;
@@ -113,18 +113,29 @@ impl<'a> Direct<'a> {
 
     /// One sample of the radiance that arrives at the pixel (x, y).
     pub fn sample_radiance(&self, x: u32, y: u32, index: u64) -> Sample {
+        self.sample_along(&self.camera_ray(x, y, index), self.id(x, y, index))
+    }
+
+    /// The same sample with its camera ray turned by so many radians to the right and up: what rounding the ray does to it.
+    pub fn turned_sample(&self, (x, y): (u32, u32), index: u64, turn: DVec2) -> Sample {
+        let camera = &self.world.prepared.scene.camera;
+        let mut ray = self.camera_ray(x, y, index);
+        let turned = ray.direction + turn.x * camera.right + turn.y * camera.up;
+        ray.direction = turned.normalize();
+        self.sample_along(&ray, self.id(x, y, index))
+    }
+
+    fn sample_along(&self, ray: &Ray, id: SampleId) -> Sample {
         let mut sample = Sample::default();
-        let ray = self.camera_ray(x, y, index);
-        let Some(hit) = closest_hit(&self.world, &ray) else {
+        let Some(hit) = closest_hit(&self.world, ray) else {
             sample.radiance = environment_radiance(&self.world, ray.direction);
             return sample;
         };
-        let s = surface_at(&self.world, &ray, &hit, -ray.direction);
+        let s = surface_at(&self.world, ray, &hit, -ray.direction);
         sample.path.camera = Some(hit.primitive);
         if let Some(light) = s.light {
             sample.radiance += emitted_radiance(&self.world, light, s.front);
         }
-        let id = self.id(x, y, index);
         let light_words = self.numbers.group(id, GROUP_LIGHT);
         let direction_words = self.numbers.group(id, GROUP_DIRECTION);
         sample.conditions.normal_rounding = self.normal_rounding(hit.primitive);
@@ -253,7 +264,7 @@ impl<'a> Direct<'a> {
             let weight = self.mis_weight(pdf_light, pdf_bsdf);
             contribution *= BrokenTwin::weight(self.broken, weight);
         }
-        if contribution.max_element() <= 0.0 {
+        if contribution.max_element() <= 0.0 || !is_above(s, light.wi) {
             return DVec3::ZERO;
         }
         sample.path.shadow.traced += 1;
@@ -275,7 +286,11 @@ impl<'a> Direct<'a> {
     ) -> DVec3 {
         let u = to_unit_2d(words[0], words[1]);
         let chosen = self.choose_direction(s, to_unit(lobe), u);
-        if chosen.weight.max_element() <= 0.0 {
+        let ray = Ray {
+            origin: s.origin,
+            direction: to_world(&s.frame, BrokenTwin::direction(self.broken, chosen.wi)),
+        };
+        if chosen.weight.max_element() <= 0.0 || !is_above(s, ray.direction) {
             return DVec3::ZERO;
         }
         let wi = BrokenTwin::direction(self.broken, chosen.wi);
@@ -283,10 +298,6 @@ impl<'a> Direct<'a> {
         let one = BrokenTwin::density(self.broken, PdfSolidAngle(1.0));
         let weight = BrokenTwin::f_cos(self.broken, chosen.weight, wi.z) / one.0;
         let pdf_bsdf = BrokenTwin::density(self.broken, chosen.pdf);
-        let ray = Ray {
-            origin: s.origin,
-            direction: to_world(&s.frame, wi),
-        };
         let (radiance, pdf_light) = self.light_in_direction(s, &ray, sample);
         let mut contribution = radiance * weight;
         if self.sample_lights {
@@ -324,7 +335,7 @@ impl<'a> Direct<'a> {
         let Some(light) = y.light else {
             return dark;
         };
-        sample.conditions.bsdf_cos_light = y.wo.z;
+        sample.conditions.bsdf_cos_light = y.cos_o;
         if let PrimitiveGeometry::Sphere { radius, .. } =
             world.primitives[hit.primitive as usize].geometry
         {
@@ -337,7 +348,7 @@ impl<'a> Direct<'a> {
             (s.position, &s.frame),
             ray.direction,
             hit.t * hit.t,
-            y.wo.z,
+            y.cos_o,
         );
         (
             emitted_radiance(world, light, y.front),

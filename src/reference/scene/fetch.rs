@@ -1,9 +1,10 @@
 //! What a ray can meet and a light sample can choose.
 
-use crate::accel::PrimitiveGeometry;
+use crate::accel::{Attributed, PrimitiveGeometry};
 use crate::emitters::Emitter;
 use crate::reference::core::bvh::Bvh;
 use crate::render::Prepared;
+use crate::scene::MaterialId;
 use crate::scene::material::BsdfParameters;
 
 /// A primitive.
@@ -11,8 +12,12 @@ use crate::scene::material::BsdfParameters;
 pub struct Primitive {
     /// Geometry, normalised space.
     pub geometry: PrimitiveGeometry,
-    /// How it scatters.
+    /// How it scatters, unless textures vary that.
     pub material: BsdfParameters,
+    /// Its material, with the textures.
+    pub material_id: MaterialId,
+    /// Which attributes it has.
+    pub attributed: Attributed,
     /// Whether rays pass through its back.
     pub one_sided: bool,
     /// Index of its light.
@@ -36,11 +41,14 @@ impl<'a> World<'a> {
         let mut primitives: Vec<Primitive> = prepared
             .primitives
             .iter()
-            .map(|p| {
+            .zip(&prepared.attributes.of_primitive)
+            .map(|(p, &attributed)| {
                 let material = &prepared.scene.materials[p.material.index()];
                 Primitive {
                     geometry: p.geometry,
                     material: material.bsdf.parameters(),
+                    material_id: p.material,
+                    attributed,
                     one_sided: !material.double_sided,
                     light: None,
                 }
@@ -57,5 +65,17 @@ impl<'a> World<'a> {
             bvh: Bvh::new(&boxes),
             primitives,
         }
+    }
+    /// Name of the shape that primitive `index` is a part of.
+    pub fn name_of(&self, index: usize) -> String {
+        let shape = self.prepared.primitives[index].shape;
+        self.prepared.scene.shapes[shape.index()].name.clone()
+    }
+
+    /// Whether primitive `index` is shaded with other normals than its own.
+    pub fn has_shading_normals(&self, index: usize) -> bool {
+        let p = &self.primitives[index];
+        let material = &self.prepared.scene.materials[p.material_id.index()];
+        p.attributed.normals || (p.attributed.uvs && material.textures.normal.is_some())
     }
 }

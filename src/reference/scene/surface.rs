@@ -1,12 +1,16 @@
 //! The surface where a ray ended.
 
-use super::fetch::World;
+use super::attributes::{
+    fetch_normals, fetch_uvs, interpolate_normal, map_normal, seen_normal, terminator_offset,
+};
+use super::fetch::{Primitive, World};
+use super::textured::{mapped_normal, textured_material};
 use crate::accel::PrimitiveGeometry;
 use crate::reference::core::frame::{ShadingFrame, frame_from_normal, to_local};
 use crate::reference::core::math::max_abs;
 use crate::reference::core::ray::{Hit, Ray};
 use crate::scene::material::BsdfParameters;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Rays leave a surface from points this far off it, relative to the size of its coordinates: as far as on the GPU, so
 /// that both see the same where surfaces touch.
@@ -15,11 +19,11 @@ pub const OFFSET: f64 = 1.0 / 1_048_576.0;
 /// A point on a surface, seen from the direction `wo`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
-    /// Position.
+    /// Position; with vertex normals it is lifted to the smooth surface.
     pub position: DVec3,
     /// The point from which rays leave on the side of `wo`.
     pub origin: DVec3,
-    /// Frame around the geometric normal, on the side of `wo`.
+    /// Frame around the shading normal, on the side of `wo`.
     pub frame: ShadingFrame,
     /// Direction towards the viewer, local frame; z ≥ 0.
     pub wo: DVec3,
@@ -31,38 +35,103 @@ pub struct Surface {
     pub own_light: Option<u32>,
     /// Whether the viewer is on the front.
     pub front: bool,
+    /// Geometric normal, on the side of `wo`.
+    pub normal: DVec3,
+    /// Cosine between it and `wo`.
+    pub cos_o: f64,
+}
+
+/// What shading sees of a surface, on the front of the primitive.
+struct Shading {
+    /// Where it is another than the geometric normal.
+    normal: Option<DVec3>,
+    /// What lifts the point off the primitive.
+    offset: DVec3,
+    material: BsdfParameters,
+}
+
+/// The shading of the point `st` of `p`, whose edges are u and v and whose normal is `normal`, seen from the front (`side`
+/// 1) or the back (−1).
+fn shading_at(
+    world: &World<'_>,
+    p: &Primitive,
+    st: DVec2,
+    [u, v, normal]: [DVec3; 3],
+    side: f64,
+) -> Shading {
+    let mut shading = Shading {
+        normal: None,
+        offset: DVec3::ZERO,
+        material: p.material,
+    };
+    if p.attributed.normals {
+        let normals = fetch_normals(world, p);
+        shading.normal = Some(interpolate_normal(&normals, st, normal));
+        let offset = terminator_offset(&normals, st, u, v, side);
+        if side * offset.dot(normal) >= 0.0 {
+            shading.offset = offset;
+        }
+    }
+    if p.attributed.uvs {
+        let uvs = fetch_uvs(world, p);
+        let uv = uvs[0] + st.x * (uvs[1] - uvs[0]) + st.y * (uvs[2] - uvs[0]);
+        let material = &world.prepared.scene.materials[p.material_id.index()];
+        shading.material = textured_material(world, material, uv);
+        if let Some(map) = &material.textures.normal {
+            let mapped = mapped_normal(world, map, uv);
+            let around = shading.normal.unwrap_or(normal);
+            shading.normal = Some(map_normal(mapped, &uvs, u, v, around));
+        }
+    }
+    shading
 }
 
 /// The surface that `ray` met at `hit`, seen from `wo`.
 pub fn surface_at(world: &World<'_>, ray: &Ray, hit: &Hit, wo: DVec3) -> Surface {
     let p = &world.primitives[hit.primitive as usize];
-    let (position, normal, extent) = match p.geometry {
+    let (position, [u, v, normal], extent) = match p.geometry {
         PrimitiveGeometry::Triangle { a, u, v }
         | PrimitiveGeometry::Rectangle { a, u, v }
         | PrimitiveGeometry::Disk { a, u, v } => (
             a + hit.st.x * u + hit.st.y * v,
-            u.cross(v).normalize(),
+            [u, v, u.cross(v).normalize()],
             max_abs(a).max(max_abs(a + u)).max(max_abs(a + v)),
         ),
         PrimitiveGeometry::Sphere { center, radius } => {
             let normal = (ray.origin + hit.t * ray.direction - center).normalize();
-            (center + radius * normal, normal, max_abs(center) + radius)
+            let extent = max_abs(center) + radius;
+            (
+                center + radius * normal,
+                [DVec3::ZERO, DVec3::ZERO, normal],
+                extent,
+            )
         }
     };
     let flat = !matches!(p.geometry, PrimitiveGeometry::Sphere { .. });
     let front = normal.dot(wo) >= 0.0;
-    let facing = if front { normal } else { -normal };
-    let frame = frame_from_normal(facing);
+    let side = if front { 1.0 } else { -1.0 };
+    let facing = side * normal;
+    let shading = shading_at(world, p, hit.st, [u, v, normal], side);
+    let frame_normal = shading.normal.map_or(facing, |n| seen_normal(side * n, wo));
+    let frame = frame_from_normal(frame_normal);
+    let position = position + shading.offset;
     Surface {
         position,
         origin: position + facing * (extent * OFFSET),
         frame,
         wo: to_local(&frame, wo),
-        material: p.material,
+        material: shading.material,
         light: p.light,
         own_light: p.light.filter(|_| flat),
         front,
+        normal: facing,
+        cos_o: facing.dot(wo),
     }
+}
+
+/// Whether light from the unit direction `wi` reaches the side that is seen.
+pub fn is_above(s: &Surface, wi: DVec3) -> bool {
+    s.normal.dot(wi) > 0.0
 }
 
 /// The segment from a surface to a point above its plane, parameter 0 to 1, which never comes nearer to the plane than it
@@ -71,6 +140,6 @@ pub fn shadow_ray(s: &Surface, target_point: DVec3) -> Ray {
     let segment = target_point - s.origin;
     Ray {
         origin: s.origin,
-        direction: segment + s.frame.z * (-s.frame.z.dot(segment)).max(0.0),
+        direction: segment + s.normal * (-s.normal.dot(segment)).max(0.0),
     }
 }

@@ -100,6 +100,7 @@ mod tests {
             geometry: Geometry::Mesh(crate::scene::Mesh {
                 positions: vec![DVec3::ONE],
                 triangles: vec![],
+                ..crate::scene::Mesh::default()
             }),
             ..sphere(DVec3::ZERO, 1.0)
         };

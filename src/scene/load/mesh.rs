@@ -84,19 +84,22 @@ fn compact(mesh: &mut Mesh) {
     if !new_index.contains(&UNUSED) {
         return;
     }
-    let mut next = 0;
-    let mut kept = Vec::new();
-    for (index, position) in new_index.iter_mut().zip(&mesh.positions) {
-        if *index != UNUSED {
-            *index = next;
-            next += 1;
-            kept.push(*position);
-        }
+    let kept = new_index.iter_mut().filter(|index| **index != UNUSED);
+    for (index, next) in kept.zip(0..) {
+        *index = next;
     }
     for t in &mut mesh.triangles {
         *t = t.map(|i| new_index[i as usize]);
     }
-    mesh.positions = kept;
+    let used = |i: &mut usize| {
+        let used = new_index[*i] != UNUSED;
+        *i += 1;
+        used
+    };
+    let mut at = [0; 3];
+    mesh.positions.retain(|_| used(&mut at[0]));
+    mesh.normals.retain(|_| used(&mut at[1]));
+    mesh.uvs.retain(|_| used(&mut at[2]));
 }
 
 #[cfg(test)]
@@ -117,6 +120,7 @@ mod tests {
                 DVec3::splat(f64::INFINITY),
             ],
             triangles: vec![[0, 1, 2], [1, 2, 3], [1, 4, 5], [1, 1, 2], [1, 2, 6]],
+            ..Mesh::default()
         };
         assert_eq!(clean(&mut mesh), 4);
         assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X, DVec3::Y]);
@@ -129,6 +133,7 @@ mod tests {
             let mut mesh = Mesh {
                 positions: vec![DVec3::ZERO, DVec3::X * scale, DVec3::Y * scale],
                 triangles: vec![[0, 1, 2]],
+                ..Mesh::default()
             };
             let expected = usize::from(scale < 1e-160);
             assert_eq!(clean(&mut mesh), expected, "{scale}");

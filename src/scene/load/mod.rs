@@ -11,6 +11,7 @@ mod image;
 mod mesh;
 mod obj;
 mod ply;
+mod texture;
 mod toml_scene;
 mod transform;
 
@@ -50,6 +51,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, Error> {
         }
     };
     validate::validate(&scene)?;
+    texture::fold_constant(&mut scene.materials, &scene.textures);
     let mut warnings = general_warnings(&scene);
     scene.warnings.append(&mut warnings);
     for warning in &mut scene.warnings {

@@ -1,9 +1,9 @@
-//! Wavefront OBJ: positions and faces; materials come from the scene file.
+//! Wavefront OBJ: positions, normals, texture coordinates and faces; materials come from the scene file.
 
 use super::files;
 use crate::error::InputError;
 use crate::scene::Mesh;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::cell::Cell;
 use std::path::Path;
 
@@ -12,9 +12,9 @@ pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Mesh, Inpu
     let bytes = files::read(path)?;
     let options = tobj::LoadOptions {
         triangulate: true,
+        single_index: true,
         ignore_points: true,
         ignore_lines: true,
-        ..tobj::LoadOptions::default()
     };
     let names_materials = Cell::new(false);
     let mut rest = bytes.as_slice();
@@ -87,11 +87,36 @@ fn refusal(path: &Path, read: &[u8], error: &tobj::LoadError) -> InputError {
 fn append(mesh: &mut Mesh, part: &tobj::Mesh) -> Option<()> {
     let first = u32::try_from(mesh.positions.len()).ok()?;
     u32::try_from(mesh.positions.len() + part.positions.len() / 3).ok()?;
-    let positions = part.positions.chunks_exact(3);
-    mesh.positions
-        .extend(positions.map(|p| DVec3::new(p[0], p[1], p[2])));
+    let vectors = |numbers: &[f64]| -> Vec<DVec3> {
+        let vectors = numbers.chunks_exact(3);
+        vectors.map(|p| DVec3::new(p[0], p[1], p[2])).collect()
+    };
+    let pairs = part.texcoords.chunks_exact(2);
+    // The file's v points up.
+    let uvs = pairs.map(|p| DVec2::new(p[0], 1.0 - p[1])).collect();
+    let before = mesh.positions.len();
+    let positions = vectors(&part.positions);
+    let count = positions.len();
+    append_attributes(&mut mesh.normals, vectors(&part.normals), before, count);
+    append_attributes(&mut mesh.uvs, uvs, before, count);
+    mesh.positions.extend(positions);
     let triangles = part.indices.chunks_exact(3);
     mesh.triangles
         .extend(triangles.map(|t| [first + t[0], first + t[1], first + t[2]]));
     Some(())
+}
+
+/// Appends what `count` further vertices have; where only some of a file's objects have it, the others have zeros.
+fn append_attributes<T: Default + Clone>(
+    all: &mut Vec<T>,
+    part: Vec<T>,
+    before: usize,
+    count: usize,
+) {
+    if all.is_empty() && part.is_empty() {
+        return;
+    }
+    all.resize(before, T::default());
+    all.extend(part);
+    all.resize(before + count, T::default());
 }

@@ -1,9 +1,9 @@
-//! Stanford PLY: ascii, binary little and big endian. Only positions and faces are read.
+//! Stanford PLY: ascii, binary little and big endian. Positions, normals, texture coordinates and faces are read.
 
 use super::files;
 use crate::error::InputError;
 use crate::scene::Mesh;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
@@ -55,10 +55,17 @@ pub(super) fn read(path: &Path) -> Result<Mesh, InputError> {
             }
         }
     }
-    let positions: Vec<DVec3> = vertices.iter().map(|v| v.0).collect();
+    // What the file does not have is NaN in the first vertex as in all.
+    let first = vertices.first();
+    let normals = first.is_some_and(|v: &Vertex| !v.normal.is_nan());
+    let uvs = first.is_some_and(|v| !v.uv.is_nan());
+    let all = |has: bool| vertices.iter().filter(move |_| has);
     Ok(Mesh {
-        triangles: triangulate(path, &faces, positions.len())?,
-        positions,
+        triangles: triangulate(path, &faces, vertices.len())?,
+        positions: vertices.iter().map(|v| v.position).collect(),
+        normals: all(normals).map(|v| v.normal).collect(),
+        // The file's v points up.
+        uvs: all(uvs).map(|v| DVec2::new(v.uv.x, 1.0 - v.uv.y)).collect(),
     })
 }
 
@@ -150,19 +157,32 @@ fn triangulate(path: &Path, faces: &[Face], vertices: usize) -> Result<Vec<[u32;
     Ok(triangles)
 }
 
-/// A vertex: its position.
-struct Vertex(DVec3);
+/// A vertex; NaN where the file says nothing.
+struct Vertex {
+    position: DVec3,
+    normal: DVec3,
+    uv: DVec2,
+}
 
 impl PropertyAccess for Vertex {
     fn new() -> Self {
-        Self(DVec3::NAN)
+        Self {
+            position: DVec3::NAN,
+            normal: DVec3::NAN,
+            uv: DVec2::NAN,
+        }
     }
 
     fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
         let axis = match name {
-            "x" => &mut self.0.x,
-            "y" => &mut self.0.y,
-            "z" => &mut self.0.z,
+            "x" => &mut self.position.x,
+            "y" => &mut self.position.y,
+            "z" => &mut self.position.z,
+            "nx" => &mut self.normal.x,
+            "ny" => &mut self.normal.y,
+            "nz" => &mut self.normal.z,
+            "u" | "s" | "texture_u" => &mut self.uv.x,
+            "v" | "t" | "texture_v" => &mut self.uv.y,
             _ => return PropertyAccessResult::Ignored,
         };
         *axis = match property {

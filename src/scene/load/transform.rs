@@ -104,6 +104,10 @@ fn apply_to_mesh(transform: &DAffine3, mut mesh: Mesh) -> Mesh {
     for p in &mut mesh.positions {
         *p = transform.transform_point3(*p);
     }
+    let of_normals = transform.matrix3.inverse().transpose();
+    for n in &mut mesh.normals {
+        *n = of_normals * n.normalize_or_zero();
+    }
     if mirrors(transform) {
         for t in &mut mesh.triangles {
             t.swap(1, 2);
@@ -166,6 +170,7 @@ mod tests {
             Geometry::Mesh(Mesh {
                 positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
                 triangles: vec![[0, 1, 2]],
+                ..Mesh::default()
             }),
         ]
     }

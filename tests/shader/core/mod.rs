@@ -4,6 +4,7 @@ mod bvh;
 mod constants;
 mod frame;
 mod math;
+mod octahedral;
 mod pdf;
 mod ray;
 mod ray_planar;

@@ -1,8 +1,10 @@
 //! One file per file of `shaders/scene/`.
 
+mod attributes;
 mod bindings;
 mod fetch;
 mod surface;
+mod texture;
 mod trace;
 
 use crate::support::every_kind::{constant_environment, every_kind};

@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use crate::error::InputError;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::validation::Checked;
 
@@ -15,22 +15,26 @@ struct Elements<'a> {
     normalized: bool,
 }
 
-/// Vertex positions: `VEC3` of float, or of integers (KHR_mesh_quantization).
-pub(super) fn positions(
+/// Vertex positions or normals: `VEC3` of float, or of integers (KHR_mesh_quantization).
+pub(super) fn vectors(
     document: &Document,
     index: usize,
     field: &str,
 ) -> Result<Vec<DVec3>, InputError> {
     let elements = elements(document, index, field, Type::Vec3)?;
-    Ok((0..elements.count)
-        .map(|i| {
-            DVec3::new(
-                elements.number(i, 0),
-                elements.number(i, 1),
-                elements.number(i, 2),
-            )
-        })
-        .collect())
+    let vector = |i| DVec3::from_array([0, 1, 2].map(|c| elements.number(i, c)));
+    Ok((0..elements.count).map(vector).collect())
+}
+
+/// Texture coordinates: `VEC2` of float or of integers.
+pub(super) fn coordinates(
+    document: &Document,
+    index: usize,
+    field: &str,
+) -> Result<Vec<DVec2>, InputError> {
+    let elements = elements(document, index, field, Type::Vec2)?;
+    let pair = |i| DVec2::new(elements.number(i, 0), elements.number(i, 1));
+    Ok((0..elements.count).map(pair).collect())
 }
 
 /// Vertex indices: `SCALAR` of an unsigned type, each below `vertices`.

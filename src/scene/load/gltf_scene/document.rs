@@ -7,10 +7,11 @@ use gltf::json;
 use std::path::{Path, PathBuf};
 
 /// Extensions that are read; all others are named in a warning, or refused where the file requires them.
-pub(super) const SUPPORTED_EXTENSIONS: [&str; 3] = [
+pub(super) const SUPPORTED_EXTENSIONS: [&str; 4] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_mesh_quantization",
+    "KHR_texture_transform",
 ];
 
 /// A glTF file: its parsed JSON, and its buffers' bytes.
@@ -19,6 +20,8 @@ pub(super) struct Document {
     pub(super) root: json::Root,
     /// `None` for a buffer without data of its own.
     buffers: Vec<Option<Vec<u8>>>,
+    /// Where the files that it names are looked up.
+    folders: Folders,
 }
 
 impl Document {
@@ -36,14 +39,14 @@ impl Document {
             path: path.to_path_buf(),
             root,
             buffers: Vec::new(),
+            folders: match std::fs::canonicalize(path) {
+                Ok(canonical) => folders.of_included(&canonical),
+                Err(_) => folders.clone(),
+            },
         };
         document.check_version_and_extensions()?;
-        let folders = match std::fs::canonicalize(path) {
-            Ok(canonical) => folders.of_included(&canonical),
-            Err(_) => folders.clone(),
-        };
         for index in 0..document.root.buffers.len() {
-            let data = document.read_buffer(index, chunk, &folders)?;
+            let data = document.read_buffer(index, chunk)?;
             document.buffers.push(data);
         }
         Ok(document)
@@ -122,6 +125,31 @@ impl Document {
         Ok((bytes, view.byte_stride.map(|s| s.0)))
     }
 
+    /// The encoded bytes of image `index`.
+    pub(super) fn image(&self, index: usize, image: &json::Image) -> Result<Vec<u8>, InputError> {
+        let field = format!("images[{index}]");
+        match (&image.uri, image.buffer_view) {
+            (Some(uri), _) => self.read_uri(uri, &format!("{field}.uri")),
+            (None, Some(view)) => {
+                let (bytes, _) = self.view(view.value(), || format!("{field}.bufferView"))?;
+                Ok(bytes.to_vec())
+            }
+            (None, None) => {
+                Err(self.error(field, "has neither a uri nor a bufferView", "an image"))
+            }
+        }
+    }
+
+    /// What messages call it: its file, or its number in this one.
+    pub(super) fn image_name(&self, index: usize, image: &json::Image) -> PathBuf {
+        match &image.uri {
+            Some(uri) if !uri.starts_with("data:") => {
+                self.path.with_file_name(percent_decoded(uri))
+            }
+            _ => PathBuf::from(format!("{}: images[{index}]", self.path.display())),
+        }
+    }
+
     fn check_version_and_extensions(&self) -> Result<(), InputError> {
         if !self.root.asset.version.starts_with("2.") {
             return Err(self.error(
@@ -152,12 +180,11 @@ impl Document {
         &self,
         index: usize,
         chunk: Option<&[u8]>,
-        folders: &Folders,
     ) -> Result<Option<Vec<u8>>, InputError> {
         let buffer = &self.root.buffers[index];
         let field = format!("buffers[{index}]");
         let mut data = match (&buffer.uri, chunk) {
-            (Some(uri), _) => self.read_uri(uri, &format!("{field}.uri"), folders)?,
+            (Some(uri), _) => self.read_uri(uri, &format!("{field}.uri"))?,
             (None, Some(chunk)) if index == 0 => chunk.to_vec(),
             (None, _) => return Ok(None),
         };
@@ -173,7 +200,7 @@ impl Document {
         Ok(Some(data))
     }
 
-    fn read_uri(&self, uri: &str, field: &str, folders: &Folders) -> Result<Vec<u8>, InputError> {
+    fn read_uri(&self, uri: &str, field: &str) -> Result<Vec<u8>, InputError> {
         if let Some(data) = uri.strip_prefix("data:") {
             let text = data
                 .split_once(',')
@@ -192,7 +219,7 @@ impl Document {
             ));
         }
         let name = percent_decoded(uri);
-        files::read(&folders.resolve(&name, &self.path, field)?)
+        files::read(&self.folders.resolve(&name, &self.path, field)?)
     }
 }
 

@@ -1,8 +1,10 @@
 //! Materials: the factors of the metallic-roughness model, and emission.
 
 use super::document::Document;
+use super::textures::{Named, texture_use};
 use crate::error::InputError;
-use crate::scene::{Bsdf, Emission, Material, MaterialId};
+use crate::scene::load::texture::{Meaning, Textures};
+use crate::scene::{Bsdf, Emission, Material, MaterialId, MaterialTextures, NormalMap};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -10,17 +12,19 @@ use std::collections::BTreeMap;
 pub(super) struct Materials<'a> {
     document: &'a Document,
     first: usize,
+    textures: Textures,
     used: Vec<Material>,
     /// From the file's index (`None`: glTF's default material) to the place in `used`, and the emission.
     places: BTreeMap<Option<usize>, (usize, Option<Emission>)>,
 }
 
 impl<'a> Materials<'a> {
-    /// Materials whose ids start at `first`.
-    pub(super) fn new(document: &'a Document, first: usize) -> Self {
+    /// Materials and textures whose ids start at `first`.
+    pub(super) fn new(document: &'a Document, first: FirstIds) -> Self {
         Self {
             document,
-            first,
+            first: first.material,
+            textures: Textures::new(first.texture),
             used: Vec::new(),
             places: BTreeMap::new(),
         }
@@ -54,13 +58,13 @@ impl<'a> Materials<'a> {
         self.places.keys().filter_map(|index| *index)
     }
 
-    /// The converted materials, in the order of their ids.
-    pub(super) fn into_used(self) -> Vec<Material> {
-        self.used
+    /// The converted materials and their textures, in the order of their ids.
+    pub(super) fn into_used(self) -> (Vec<Material>, Textures) {
+        (self.used, self.textures)
     }
 
     fn convert(
-        &self,
+        &mut self,
         index: usize,
         field: &str,
     ) -> Result<(Material, Option<Emission>), InputError> {
@@ -85,6 +89,7 @@ impl<'a> Materials<'a> {
         for channel in 0..3 {
             base_color[channel] = unit(pbr.base_color_factor.0[channel].into(), "baseColorFactor")?;
         }
+        let textures = self.textures_of(json, &name)?;
         let material = Material {
             name: json.name.clone().unwrap_or_else(|| name.clone()),
             bsdf: Bsdf::MetallicRoughness {
@@ -93,10 +98,47 @@ impl<'a> Materials<'a> {
                 roughness: unit(pbr.roughness_factor.0.into(), "roughnessFactor")?,
             },
             double_sided: json.double_sided,
+            textures,
         };
         let emission = emission(document, json, &name)?;
         Ok((material, emission))
     }
+
+    fn textures_of(
+        &mut self,
+        json: &gltf::json::Material,
+        name: &str,
+    ) -> Result<MaterialTextures, InputError> {
+        let [color, rough, normal] = Named::of_material(json);
+        let document = self.document;
+        let mut read = |named: Option<Named>, meaning| {
+            let Some(named) = named else { return Ok(None) };
+            texture_use(document, &named, name, meaning, &mut self.textures).map(Some)
+        };
+        let color = read(color, Meaning::Color)?;
+        let metallic_roughness = read(rough, Meaning::Data)?;
+        let normal = read(normal, Meaning::Vector)?;
+        let scale = json.normal_texture.as_ref().map_or(1.0, |n| n.scale);
+        if !scale.is_finite() {
+            let field = format!("{name}.normalTexture.scale");
+            return Err(document.error(field, format!("is {scale}"), "a finite number"));
+        }
+        Ok(MaterialTextures {
+            color,
+            metallic_roughness,
+            normal: normal.map(|texture| NormalMap {
+                texture,
+                scale: scale.into(),
+            }),
+        })
+    }
+}
+
+/// The ids that the first material and the first texture of a file get.
+#[derive(Debug, Clone, Copy, Default)]
+pub(in crate::scene::load) struct FirstIds {
+    pub(in crate::scene::load) material: usize,
+    pub(in crate::scene::load) texture: usize,
 }
 
 /// Emissive factor times strength; the back of a double-sided material emits as well.
@@ -144,5 +186,6 @@ fn default_material() -> Material {
             roughness: 1.0,
         },
         double_sided: false,
+        textures: MaterialTextures::default(),
     }
 }

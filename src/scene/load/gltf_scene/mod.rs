@@ -1,7 +1,7 @@
 //! glTF 2.0 and GLB.
 //!
 //! The JSON is parsed by the crate `gltf`; every index, byte range and count in it is checked here before use, so
-//! that a broken file is an error that names what is broken. Images are not read.
+//! that a broken file is an error that names what is broken.
 
 mod accessors;
 mod cameras;
@@ -10,6 +10,7 @@ mod lights;
 mod materials;
 mod nodes;
 mod primitives;
+mod textures;
 mod unsupported;
 
 use super::files::Folders;
@@ -18,10 +19,11 @@ use super::mesh::{self, NamedMesh};
 use super::transform;
 use crate::error::InputError;
 use crate::scene::{
-    Camera, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings, Scene, Shape,
+    Camera, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings, Scene, Shape, Texture,
 };
 use document::Document;
 use glam::DAffine3;
+pub(super) use materials::FirstIds;
 use materials::Materials;
 use nodes::Placed;
 use primitives::Primitives;
@@ -31,6 +33,7 @@ use std::path::Path;
 pub(super) struct Imported {
     pub(super) shapes: Vec<Shape>,
     pub(super) materials: Vec<Material>,
+    pub(super) textures: Vec<Texture>,
     pub(super) lights: Vec<Light>,
     pub(super) camera: Option<Camera>,
     pub(super) warnings: Vec<String>,
@@ -38,7 +41,7 @@ pub(super) struct Imported {
 
 /// Reads a glTF or GLB file as a scene of its own; without a camera the scene is framed.
 pub(super) fn load_scene(path: &Path, folders: &Folders) -> Result<Scene, InputError> {
-    let imported = load_part(path, folders, &DAffine3::IDENTITY, 0, "")?;
+    let imported = load_part(path, folders, &DAffine3::IDENTITY, FirstIds::default(), "")?;
     let film = FilmSize::default();
     Ok(Scene {
         source: path.to_path_buf(),
@@ -47,6 +50,7 @@ pub(super) fn load_scene(path: &Path, folders: &Folders) -> Result<Scene, InputE
             .unwrap_or_else(|| frame::framed(&imported.shapes, film)),
         film,
         materials: imported.materials,
+        textures: imported.textures,
         shapes: imported.shapes,
         lights: imported.lights,
         environment: None,
@@ -56,18 +60,18 @@ pub(super) fn load_scene(path: &Path, folders: &Folders) -> Result<Scene, InputE
     })
 }
 
-/// Reads the default scene of a file, moved by `placement`. Its materials get the ids from `first_material` on, and
+/// Reads the default scene of a file, moved by `placement`. Its materials and textures get the ids from `first` on, and
 /// its shapes' names start with `prefix`.
 pub(super) fn load_part(
     path: &Path,
     folders: &Folders,
     placement: &DAffine3,
-    first_material: usize,
+    first: FirstIds,
     prefix: &str,
 ) -> Result<Imported, InputError> {
     let document = Document::read(path, folders)?;
     let placed = nodes::of_default_scene(&document)?;
-    let mut materials = Materials::new(&document, first_material);
+    let mut materials = Materials::new(&document, first);
     let mut warnings = Vec::new();
     let shapes = shapes(
         &document,
@@ -81,9 +85,13 @@ pub(super) fn load_part(
     let camera = cameras::first(&document, &placed, placement)?;
     let mut all_warnings = unsupported::warnings(&document, &placed, &materials);
     all_warnings.append(&mut warnings);
+    let (materials, textures) = materials.into_used();
+    let (textures, mut of_textures) = textures.into_parts();
+    all_warnings.append(&mut of_textures);
     Ok(Imported {
         shapes,
-        materials: materials.into_used(),
+        materials,
+        textures,
         lights,
         camera,
         warnings: all_warnings,

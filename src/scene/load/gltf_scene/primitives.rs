@@ -2,11 +2,12 @@
 
 use super::document::Document;
 use super::nodes::Placed;
+use super::textures::Named;
 use super::{accessors, transform_error};
 use crate::error::InputError;
 use crate::scene::load::transform;
 use crate::scene::{Geometry, Mesh};
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3};
 use gltf::json;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
@@ -182,21 +183,28 @@ fn triangles(
     mode: Mode,
     field: &str,
 ) -> Result<Mesh, InputError> {
-    let accessor = primitive
-        .attributes
-        .get(&Checked::Valid(Semantic::Positions))
-        .ok_or_else(|| {
-            document.error(
-                format!("{field}.attributes"),
-                "has no POSITION",
-                "vertex positions",
-            )
-        })?;
-    let positions: Vec<DVec3> = accessors::positions(
-        document,
-        accessor.value(),
-        &format!("{field}.attributes.POSITION"),
-    )?;
+    let attributes = format!("{field}.attributes");
+    let accessor = |semantic| {
+        let found = primitive.attributes.get(&Checked::Valid(semantic));
+        found.map(|accessor| accessor.value())
+    };
+    let index = accessor(Semantic::Positions)
+        .ok_or_else(|| document.error(&attributes, "has no POSITION", "vertex positions"))?;
+    let positions = accessors::vectors(document, index, &format!("{attributes}.POSITION"))?;
+    let count = positions.len();
+    let mut normals = Vec::new();
+    if let Some(index) = accessor(Semantic::Normals) {
+        let field = format!("{attributes}.NORMAL");
+        normals = accessors::vectors(document, index, &field)?;
+        same_count(document, &field, normals.len(), count)?;
+    }
+    let mut uvs = Vec::new();
+    let set = coordinate_set(document, primitive);
+    if let Some(index) = accessor(Semantic::TexCoords(set)) {
+        let field = format!("{attributes}.TEXCOORD_{set}");
+        uvs = accessors::coordinates(document, index, &field)?;
+        same_count(document, &field, uvs.len(), count)?;
+    }
     let indices_field = format!("{field}.indices");
     let corners = match primitive.indices {
         Some(a) => accessors::indices(document, a.value(), &indices_field, positions.len())?,
@@ -220,7 +228,29 @@ fn triangles(
     Ok(Mesh {
         triangles: assemble(&corners, mode),
         positions,
+        normals,
+        uvs,
     })
+}
+
+/// The texture coordinates that the material of `primitive` asks for first.
+pub(super) fn coordinate_set(document: &Document, primitive: &Primitive) -> u32 {
+    let index = primitive.material.map(|m| m.value());
+    let material = index.and_then(|i| document.root.materials.get(i));
+    material.map_or(0, Named::coordinates_of)
+}
+
+fn same_count(
+    document: &Document,
+    field: &str,
+    found: usize,
+    positions: usize,
+) -> Result<(), InputError> {
+    if found == positions {
+        return Ok(());
+    }
+    let problem = format!("has {found} elements");
+    Err(document.error(field, problem, format!("as many as POSITION, {positions}")))
 }
 
 /// Triangles from corners (glTF 2.0, section 3.7.2.1).

@@ -4,6 +4,8 @@ use super::document::{Document, SUPPORTED_EXTENSIONS};
 use super::lights;
 use super::materials::Materials;
 use super::nodes::Placed;
+use super::primitives::coordinate_set;
+use super::textures::Named;
 use gltf::json;
 use gltf::json::material::{AlphaMode, Material};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -66,9 +68,17 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
             .any(|k| matches!(k, Checked::Valid(s) if wanted(s)))
     };
     add(
-        count(&|p| has(p, &|s| matches!(s, Semantic::Normals))),
-        "vertex normals",
-        "are not supported yet: surfaces are shaded flat",
+        count(&|p| {
+            let set = coordinate_set(document, p);
+            is_textured(document, p) && !has(p, &|s| *s == Semantic::TexCoords(set))
+        }),
+        "textures",
+        "have no texture coordinates: their factors are used",
+    );
+    add(
+        count(&|p| reads_two_sets(document, p)),
+        "textures",
+        "are read with several TEXCOORD sets: all of a material are read with one",
     );
     add(
         count(&|p| has(p, &|s| matches!(s, Semantic::Colors(_)))),
@@ -103,6 +113,22 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
     warnings
 }
 
+fn named_textures(document: &Document, primitive: &Primitive) -> impl Iterator<Item = Named> {
+    let index = primitive.material.map(|m| m.value());
+    let material = index.and_then(|i| document.root.materials.get(i));
+    let named = material.map(Named::of_material);
+    named.into_iter().flatten().flatten()
+}
+
+fn is_textured(document: &Document, primitive: &Primitive) -> bool {
+    named_textures(document, primitive).next().is_some()
+}
+
+fn reads_two_sets(document: &Document, primitive: &Primitive) -> bool {
+    let set = coordinate_set(document, primitive);
+    named_textures(document, primitive).any(|named| named.coordinates != set)
+}
+
 /// The primitives that placed nodes show, each once per node.
 fn primitives<'a>(
     document: &'a Document,
@@ -117,16 +143,7 @@ fn primitives<'a>(
 
 fn material_warnings(document: &Document, materials: &Materials, warnings: &mut Vec<String>) {
     type Uses = fn(&Material) -> bool;
-    let textures: [(&str, Uses); 5] = [
-        ("baseColorTexture", |m| {
-            m.pbr_metallic_roughness.base_color_texture.is_some()
-        }),
-        ("metallicRoughnessTexture", |m| {
-            m.pbr_metallic_roughness
-                .metallic_roughness_texture
-                .is_some()
-        }),
-        ("normalTexture", |m| m.normal_texture.is_some()),
+    let textures: [(&str, Uses); 2] = [
         ("occlusionTexture", |m| m.occlusion_texture.is_some()),
         ("emissiveTexture", |m| m.emissive_texture.is_some()),
     ];
@@ -146,12 +163,11 @@ fn material_warnings(document: &Document, materials: &Materials, warnings: &mut 
             (format!("{count} materials"), "their")
         };
         let consequence = match texture {
-            "normalTexture" => "surfaces are shaded flat".to_owned(),
-            "occlusionTexture" => "light paths are traced instead".to_owned(),
+            "occlusionTexture" => "shadow rays are traced instead".to_owned(),
             _ => format!("{factors} factors are used"),
         };
         warnings.push(format!(
-            "{file}: textures are not supported yet: {texture} of {of} is ignored, {consequence}"
+            "{file}: {texture} of {of} is ignored, {consequence}"
         ));
     }
     for (mode, name) in [(AlphaMode::Mask, "MASK"), (AlphaMode::Blend, "BLEND")] {

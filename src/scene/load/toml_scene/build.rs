@@ -2,11 +2,13 @@
 
 use super::format::{CameraTable, FilmTable, GltfTable, MaterialKind, MaterialTable, SceneFile};
 use super::format_shapes::TransformStep;
-use super::{expect, lights, shapes};
+use super::{expect, lights, shapes, textures};
 use crate::error::InputError;
 use crate::scene::load::files::{self, Folders};
+use crate::scene::load::gltf_scene::FirstIds;
+use crate::scene::load::texture::Textures;
 use crate::scene::load::{frame, gltf_scene, transform};
-use crate::scene::{Bsdf, Camera, FilmSize, Material, MaterialId, Scene};
+use crate::scene::{Bsdf, Camera, FilmSize, Material, MaterialId, MaterialTextures, Scene};
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -46,11 +48,15 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
     let film = film(&context, &file.film)?;
     let mut camera = file.camera.map(|c| camera_of(&context, &c)).transpose()?;
     let mut materials = Vec::new();
+    let mut textures = Textures::new(0);
     for (name, table) in file.materials {
         let id = MaterialId(u32::try_from(materials.len()).expect("fewer than 2³² materials"));
-        materials.push(material(name.clone(), &table));
+        let maps = textures::of_material(&context, &name, &table.textures, &mut textures)?;
+        materials.push(material(name.clone(), &table, maps));
         context.material_ids.insert(name, id);
     }
+    let (mut textures, mut of_textures) = textures.into_parts();
+    context.warnings.append(&mut of_textures);
     let mut shapes = shapes::all(&mut context, file.shapes, &mut materials)?;
     let mut lights = lights::all(&context, &file.lights)?;
     let environment = file
@@ -58,7 +64,12 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         .map(|e| lights::environment(&mut context, &e))
         .transpose()?;
     for (index, table) in file.gltf.iter().enumerate() {
-        let mut part = include(&context, index, table, materials.len())?;
+        let first = FirstIds {
+            material: materials.len(),
+            texture: textures.len(),
+        };
+        let mut part = include(&context, index, table, first)?;
+        textures.append(&mut part.textures);
         shapes.append(&mut part.shapes);
         materials.append(&mut part.materials);
         lights.append(&mut part.lights);
@@ -81,6 +92,7 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         camera,
         film,
         materials,
+        textures,
         shapes,
         lights,
         environment,
@@ -168,7 +180,7 @@ fn affine(rows: &[[f64; 4]; 4]) -> Option<DAffine3> {
     (last.abs().max_element() <= 0.0).then(|| DAffine3::from_mat4(matrix))
 }
 
-fn material(name: String, table: &MaterialTable) -> Material {
+fn material(name: String, table: &MaterialTable, textures: MaterialTextures) -> Material {
     let bsdf = match &table.kind {
         MaterialKind::Lambert(t) => Bsdf::Lambert {
             reflectance: DVec3::from_array(t.reflectance.0),
@@ -187,6 +199,7 @@ fn material(name: String, table: &MaterialTable) -> Material {
         name,
         bsdf,
         double_sided: table.double_sided,
+        textures,
     }
 }
 
@@ -194,7 +207,7 @@ fn include(
     context: &Context,
     index: usize,
     table: &GltfTable,
-    first_material: usize,
+    first: FirstIds,
 ) -> Result<gltf_scene::Imported, InputError> {
     let field = format!("gltf[{index}]");
     let placement = placement(context, &table.transform, &field)?;
@@ -210,7 +223,7 @@ fn include(
         ));
     }
     let prefix = format!("{field}: ");
-    gltf_scene::load_part(&file, context.folders, &placement, first_material, &prefix)
+    gltf_scene::load_part(&file, context.folders, &placement, first, &prefix)
 }
 
 /// All steps of a transform, the first applied first; refused when singular.

@@ -8,6 +8,7 @@ mod format_shapes;
 mod lights;
 mod parse;
 mod shapes;
+mod textures;
 
 use super::files::{self, Folders};
 use crate::error::InputError;

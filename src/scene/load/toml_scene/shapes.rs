@@ -5,7 +5,7 @@ use super::format_shapes::{BoxTable, MeshTable, RectangleTable, ShapeKind, Shape
 use crate::error::InputError;
 use crate::scene::load::mesh;
 use crate::scene::load::transform;
-use crate::scene::{Bsdf, Emission, Geometry, Material, MaterialId, Shape};
+use crate::scene::{Bsdf, Emission, Geometry, Material, MaterialId, MaterialTextures, Shape};
 use glam::DVec3;
 
 /// Geometry in the shape's own space, and what to add to its name.
@@ -80,6 +80,7 @@ fn add_default(materials: &mut Vec<Material>) -> MaterialId {
             reflectance: DVec3::splat(0.5),
         },
         double_sided: true,
+        textures: MaterialTextures::default(),
     });
     id
 }

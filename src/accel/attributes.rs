@@ -1,0 +1,117 @@
+//! What triangles carry beside their geometry: vertex normals and texture coordinates.
+//!
+//! Rounded here to what the GPU gets, so that its twin in f64 interpolates the same numbers.
+
+use super::{Primitive, PrimitiveGeometry};
+use crate::scene::{Geometry, Mesh, Scene};
+use glam::{DVec2, DVec3};
+
+/// What a triangle carries.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TriangleAttributes {
+    /// Normals at its vertices, octahedrally encoded.
+    pub normals: [[f32; 2]; 3],
+    /// Texture coordinates at its vertices.
+    pub uvs: [[f32; 2]; 3],
+}
+
+/// Which attributes a primitive has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Attributed {
+    /// Its place in the list of attributes, where it is a triangle that has any.
+    pub index: u32,
+    /// Vertex normals that are not its own.
+    pub normals: bool,
+    /// Texture coordinates that its material reads.
+    pub uvs: bool,
+}
+
+/// The attributes of all primitives.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Attributes {
+    /// Those of triangles.
+    pub triangles: Vec<TriangleAttributes>,
+    /// Per primitive.
+    pub of_primitive: Vec<Attributed>,
+}
+
+/// Cosine beyond which vertex normals count as the triangle's own: what rounding makes of parallel ones.
+const FLAT: f64 = 1.0 - 1e-12;
+
+impl Attributes {
+    /// Those that `primitives` of `scene` have and need.
+    pub fn new(scene: &Scene, primitives: &[Primitive]) -> Self {
+        let mut attributes = Self::default();
+        for primitive in primitives {
+            let attributed = attributes.add(scene, primitive);
+            attributes.of_primitive.push(attributed);
+        }
+        attributes
+    }
+
+    fn add(&mut self, scene: &Scene, primitive: &Primitive) -> Attributed {
+        let textured = scene.materials[primitive.material.index()].textures.any();
+        let none = Attributed::default();
+        let (u, v) = match primitive.geometry {
+            PrimitiveGeometry::Sphere { .. } => return none,
+            PrimitiveGeometry::Rectangle { .. } | PrimitiveGeometry::Disk { .. } => {
+                return Attributed {
+                    uvs: textured,
+                    ..none
+                };
+            }
+            PrimitiveGeometry::Triangle { u, v, .. } => (u, v),
+        };
+        let Geometry::Mesh(mesh) = &scene.shapes[primitive.shape.index()].geometry else {
+            return none;
+        };
+        let corners = mesh.triangles[primitive.part as usize].map(|i| i as usize);
+        let normals = vertex_normals(mesh, corners, u.cross(v).normalize());
+        let uvs = if textured {
+            vertex_uvs(mesh, corners)
+        } else {
+            None
+        };
+        if normals.is_none() && uvs.is_none() {
+            return none;
+        }
+        self.triangles.push(TriangleAttributes {
+            normals: normals.unwrap_or_default().map(octahedral),
+            uvs: uvs.unwrap_or_default().map(|uv| uv.as_vec2().to_array()),
+        });
+        Attributed {
+            index: self.triangles.len() as u32 - 1,
+            normals: normals.is_some(),
+            uvs: uvs.is_some(),
+        }
+    }
+}
+
+/// Unit vertex normals, where there are any and not all of them are the triangle's.
+fn vertex_normals(mesh: &Mesh, corners: [usize; 3], own: DVec3) -> Option<[DVec3; 3]> {
+    if mesh.normals.is_empty() {
+        return None;
+    }
+    let normals = corners.map(|i| mesh.normals[i].try_normalize());
+    let [Some(a), Some(b), Some(c)] = normals else {
+        return None;
+    };
+    let flat = [a, b, c].iter().all(|n| n.dot(own) > FLAT);
+    (!flat).then_some([a, b, c])
+}
+
+fn vertex_uvs(mesh: &Mesh, corners: [usize; 3]) -> Option<[DVec2; 3]> {
+    if mesh.uvs.is_empty() {
+        return None;
+    }
+    let uvs = corners.map(|i| mesh.uvs[i]);
+    uvs.iter().all(|uv| uv.is_finite()).then_some(uvs)
+}
+
+/// A unit vector on the octahedron |x| + |y| + |z| = 1, unfolded into the square [−1, 1]² (Cigolle et al. 2014, "A Survey of
+/// Efficient Representations for Independent Unit Vectors").
+pub fn octahedral(n: DVec3) -> [f32; 2] {
+    let p = n.truncate() / n.abs().element_sum();
+    let folded = (DVec2::ONE - DVec2::new(p.y, p.x).abs()) * DVec2::ONE.copysign(p);
+    (if n.z >= 0.0 { p } else { folded }).as_vec2().to_array()
+}

@@ -1,0 +1,93 @@
+//! What primitives carry beside their geometry; see `shaders/scene/attributes.wesl`.
+
+use super::fetch::{Primitive, World};
+use crate::accel::PrimitiveGeometry;
+use crate::reference::core::octahedral::from_octahedral;
+use crate::scene::texture::{disk_uv, rectangle_uv};
+use glam::{DVec2, DVec3};
+
+/// Unit normals at a triangle's vertices.
+pub type VertexNormals = [DVec3; 3];
+
+/// Texture coordinates at a planar primitive's points a, a + u and a + v.
+pub type VertexUvs = [DVec2; 3];
+
+fn pair([x, y]: [f32; 2]) -> DVec2 {
+    DVec2::new(x.into(), y.into())
+}
+
+/// The vertex normals of `p`, which has them.
+pub fn fetch_normals(world: &World<'_>, p: &Primitive) -> VertexNormals {
+    let triangle = &world.prepared.attributes.triangles[p.attributed.index as usize];
+    let normal = |n| from_octahedral(pair(n)).normalize();
+    triangle.normals.map(normal)
+}
+
+/// The texture coordinates of `p`, which has them.
+pub fn fetch_uvs(world: &World<'_>, p: &Primitive) -> VertexUvs {
+    let corners = [DVec2::ZERO, DVec2::X, DVec2::Y];
+    match p.geometry {
+        PrimitiveGeometry::Rectangle { .. } => corners.map(rectangle_uv),
+        PrimitiveGeometry::Disk { .. } => corners.map(disk_uv),
+        _ => world.prepared.attributes.triangles[p.attributed.index as usize]
+            .uvs
+            .map(pair),
+    }
+}
+
+/// The unit normal between those of the vertices, on the side of the primitive's own normal; that itself where they cancel.
+pub fn interpolate_normal(n: &VertexNormals, st: DVec2, own: DVec3) -> DVec3 {
+    let sum = (1.0 - st.x - st.y) * n[0] + st.x * n[1] + st.y * n[2];
+    if sum.length_squared() < 1e-12 {
+        return own;
+    }
+    let normal = sum.normalize();
+    if normal.dot(own) >= 0.0 {
+        normal
+    } else {
+        -normal
+    }
+}
+
+/// What lifts the point a + s·u + t·v of a flat triangle to the smooth surface that its vertex normals suggest, `side` = 1 or
+/// −1 that on which it is seen (Hanika 2021, "Hacking the Shadow Terminator").
+pub fn terminator_offset(n: &VertexNormals, st: DVec2, u: DVec3, v: DVec3, side: f64) -> DVec3 {
+    let from_a = st.x * u + st.y * v;
+    let weights = [1.0 - st.x - st.y, st.x, st.y];
+    let from_vertices = [from_a, from_a - u, from_a - v];
+    let planes = n.iter().zip(weights).zip(from_vertices);
+    planes
+        .map(|((&n, weight), from)| {
+            let n = side * n;
+            -weight * from.dot(n).min(0.0) * n
+        })
+        .sum()
+}
+
+/// The normal that a normal map's value `mapped` means: x along growing u, y along falling v, z along `normal`. That itself
+/// where the texture coordinates span no area.
+pub fn map_normal(mapped: DVec3, uvs: &VertexUvs, u: DVec3, v: DVec3, normal: DVec3) -> DVec3 {
+    let (du, dv) = (uvs[1] - uvs[0], uvs[2] - uvs[0]);
+    let determinant = du.perp_dot(dv);
+    let side = if determinant > 0.0 { 1.0 } else { -1.0 };
+    let along_u = side * (u * dv.y - v * du.y);
+    let tangent = along_u - normal * normal.dot(along_u);
+    if tangent.length_squared() < 1e-30 || determinant.abs() <= 0.0 {
+        return normal;
+    }
+    let x = tangent.normalize();
+    let y = -side * normal.cross(x);
+    let sum = mapped.x * x + mapped.y * y + mapped.z * normal;
+    if sum.length_squared() < 1e-12 {
+        return normal;
+    }
+    sum.normalize()
+}
+
+/// Smallest cosine between a shading normal and the direction to the viewer.
+pub const MIN_VIEW_COS: f64 = 0.01;
+
+/// A shading normal turned towards the viewer as far as it has to be to be seen.
+pub fn seen_normal(normal: DVec3, wo: DVec3) -> DVec3 {
+    (normal + wo * (MIN_VIEW_COS - normal.dot(wo)).max(0.0)).normalize()
+}

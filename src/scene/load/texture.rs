@@ -1,0 +1,231 @@
+//! Images that materials read: PNG, JPEG, Radiance HDR and OpenEXR.
+
+use super::exr;
+use super::image::unreadable;
+use crate::error::InputError;
+use crate::scene::{Material, Texels, Texture, TextureId, TextureUse};
+use glam::DVec3;
+use half::f16;
+use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits};
+use std::collections::HashMap;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+/// What the numbers of an image mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Meaning {
+    /// A colour: 8 and 16 bits are encoded as sRGB, floats are linear.
+    Color,
+    /// Numbers as they are.
+    Data,
+    /// The same, of three components.
+    Vector,
+}
+
+/// Most that an f16 holds.
+const MAX_HALF: f32 = 65_504.0;
+
+/// The textures of a scene, each image once for each of its meanings.
+pub(super) struct Textures {
+    first: usize,
+    list: Vec<Texture>,
+    known: HashMap<(PathBuf, Meaning), TextureId>,
+    warnings: Vec<String>,
+}
+
+impl Textures {
+    /// Textures whose ids start at `first`.
+    pub(super) fn new(first: usize) -> Self {
+        Self {
+            first,
+            list: Vec::new(),
+            known: HashMap::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The texture called `name`, made of what `bytes` returns unless it is known.
+    pub(super) fn get(
+        &mut self,
+        name: &Path,
+        meaning: Meaning,
+        bytes: impl FnOnce() -> Result<Vec<u8>, InputError>,
+    ) -> Result<TextureId, InputError> {
+        let key = (name.to_path_buf(), meaning);
+        if let Some(&id) = self.known.get(&key) {
+            return Ok(id);
+        }
+        let texture = decode(name, &bytes()?, meaning, &mut self.warnings)?;
+        let id = u32::try_from(self.first + self.list.len()).expect("fewer than 2³² textures");
+        self.list.push(texture);
+        self.known.insert(key, TextureId(id));
+        Ok(TextureId(id))
+    }
+
+    /// All of them in the order of their ids, and what is to be said of them.
+    pub(super) fn into_parts(self) -> (Vec<Texture>, Vec<String>) {
+        (self.list, self.warnings)
+    }
+}
+
+/// Decodes an image; `name` is for messages.
+fn decode(
+    name: &Path,
+    bytes: &[u8],
+    meaning: Meaning,
+    warnings: &mut Vec<String>,
+) -> Result<Texture, InputError> {
+    const FORMATS: &str = "a PNG, JPEG, Radiance HDR or OpenEXR image";
+    let format = image::guess_format(bytes)
+        .map_err(|_| InputError::file(name, "is not an image of a known format", FORMATS))?;
+    match format {
+        ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Hdr => {}
+        ImageFormat::OpenExr => exr::check(name, bytes)?,
+        other => {
+            let problem = format!("is of the format {other:?}");
+            return Err(InputError::file(name, problem, FORMATS));
+        }
+    }
+    let failed = |e: image::ImageError| unreadable(name, &e.to_string());
+    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
+    let (width, height) = reader().into_dimensions().map_err(failed)?;
+    if width == 0 || height == 0 || width > Texture::MAX_SIDE || height > Texture::MAX_SIDE {
+        return Err(InputError::file(
+            name,
+            format!("is an image of {width} x {height} texels"),
+            format!("1 to {} texels per side", Texture::MAX_SIDE),
+        ));
+    }
+    let mut decoder = reader();
+    decoder.limits(Limits::no_limits());
+    let image = decoder.decode().map_err(failed)?;
+    let channels = image.color().channel_count();
+    if channels < 3 && meaning != Meaning::Color {
+        let what = match meaning {
+            Meaning::Vector => "three channels: a normal map's x, y and z",
+            _ => "three channels: roughness is green, metallic blue",
+        };
+        let s = if channels == 1 { "" } else { "s" };
+        let problem = format!("has {channels} channel{s}");
+        return Err(InputError::file(name, problem, what));
+    }
+    Ok(Texture {
+        source: name.display().to_string(),
+        width,
+        height,
+        texels: texels(name, image, meaning, warnings),
+    })
+}
+
+fn texels(
+    name: &Path,
+    image: DynamicImage,
+    meaning: Meaning,
+    warnings: &mut Vec<String>,
+) -> Texels {
+    let encoded = meaning == Meaning::Color;
+    match image.color() {
+        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
+            let bytes = image.into_rgba8();
+            let bytes = bytes.pixels().map(|p| p.0);
+            if !encoded {
+                return Texels::Bytes(bytes.collect());
+            }
+            let linear =
+                std::array::from_fn::<_, 256, _>(|n| f16::from_f64(srgb(n as f64 / 255.0)));
+            Texels::Halves(
+                bytes
+                    .map(|[r, g, b, a]| {
+                        let [r, g, b] = [r, g, b].map(|c| linear[usize::from(c)]);
+                        [r, g, b, f16::from_f64(f64::from(a) / 255.0)]
+                    })
+                    .collect(),
+            )
+        }
+        ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16 => {
+            let words = image.into_rgba16();
+            let decode = |n: u16| {
+                let value = f64::from(n) / 65_535.0;
+                f16::from_f64(if encoded { srgb(value) } else { value })
+            };
+            let texel = |[r, g, b, a]: [u16; 4]| {
+                let alpha = f16::from_f64(f64::from(a) / 65_535.0);
+                [decode(r), decode(g), decode(b), alpha]
+            };
+            Texels::Halves(words.pixels().map(|p| texel(p.0)).collect())
+        }
+        _ => {
+            let mut bad = 0usize;
+            let floats = image.into_rgba32f();
+            let texel = |p: [f32; 4]| {
+                bad += usize::from(p.iter().any(|c| !(0.0..=MAX_HALF).contains(c)));
+                p.map(|c| f16::from_f32(c.max(0.0).min(MAX_HALF)))
+            };
+            let halves = floats.pixels().map(|p| p.0).map(texel).collect();
+            if bad > 0 {
+                warnings.push(format!(
+                    "{}: {bad} {} not from 0 to 65504; such channels are taken as the nearest of these",
+                    name.display(),
+                    if bad == 1 { "texel is" } else { "texels are" }
+                ));
+            }
+            Texels::Halves(halves)
+        }
+    }
+}
+
+/// Linear value of an encoded one (IEC 61966-2-1).
+fn srgb(encoded: f64) -> f64 {
+    if encoded <= 0.040_45 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// What varies nothing becomes a factor: textures of one value, and normal maps that are flat.
+pub(super) fn fold_constant(materials: &mut [Material], textures: &[Texture]) {
+    for material in materials {
+        let maps = &mut material.textures;
+        let constant = |u: &Option<TextureUse>| textures[u.as_ref()?.texture.index()].constant();
+        let mut factors = crate::scene::texture::TexturedFactors::default();
+        if let Some(value) = constant(&maps.color) {
+            factors.color = value.truncate();
+            maps.color = None;
+        }
+        if let Some(value) = constant(&maps.metallic_roughness) {
+            (factors.roughness, factors.metallic) = (value.y, value.z);
+            maps.metallic_roughness = None;
+        }
+        material.bsdf = material.bsdf.textured(&factors);
+        // Half lies between 127 and 128: either is meant by it.
+        let flat = |value: glam::DVec4| {
+            let off = value.truncate() - DVec3::new(0.5, 0.5, 1.0);
+            off.abs().max_element() <= 0.6 / 255.0
+        };
+        let normal = maps.normal.map(|map| map.texture);
+        if constant(&normal).is_some_and(flat) {
+            maps.normal = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn srgb_is_decoded() {
+        for (encoded, linear) in [(0.0, 0.0), (1.0, 1.0), (0.5, 0.214_041_140_482)] {
+            assert!((srgb(encoded) - linear).abs() < 1e-9, "{encoded}");
+        }
+        let below = srgb(0.040_45);
+        assert!((below - srgb(0.040_450_001)).abs() < 1e-7, "{below}");
+    }
+
+    #[test]
+    fn levels_of_8_bits_stay_apart() {
+        let level = |n: u32| f16::from_f64(srgb(f64::from(n) / 255.0));
+        assert!((0..255).all(|n| level(n) < level(n + 1)));
+    }
+}

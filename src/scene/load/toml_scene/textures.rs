@@ -1,0 +1,60 @@
+//! The `textures` of a material.
+
+use super::build::Context;
+use super::format::{TextureTable, TexturesTable};
+use crate::error::InputError;
+use crate::scene::load::files;
+use crate::scene::load::texture::{Meaning, Textures};
+use crate::scene::{MaterialTextures, NormalMap, TextureUse};
+use glam::{DAffine2, DVec2};
+
+/// The textures of the material `name`, read.
+pub(super) fn of_material(
+    context: &Context,
+    name: &str,
+    table: &TexturesTable,
+    textures: &mut Textures,
+) -> Result<MaterialTextures, InputError> {
+    let mut read = |table: Option<&TextureTable>, key: &str, meaning| {
+        let Some(table) = table else { return Ok(None) };
+        let field = format!("materials.{name}.textures.{key}");
+        texture_use(context, table, &field, meaning, textures).map(Some)
+    };
+    let color = read(table.color.as_ref(), "color", Meaning::Color)?;
+    let rough = table.metallic_roughness.as_ref();
+    let metallic_roughness = read(rough, "metallic_roughness", Meaning::Data)?;
+    let normal = read(table.normal.as_ref(), "normal", Meaning::Vector)?;
+    if normal.is_none() && table.normal_scale.is_some() {
+        return Err(context.error(
+            format!("materials.{name}.textures.normal_scale"),
+            "scales nothing: there is no normal map",
+            "a normal map, `normal = { file = \"…\" }`",
+        ));
+    }
+    Ok(MaterialTextures {
+        color,
+        metallic_roughness,
+        normal: normal.map(|texture| NormalMap {
+            texture,
+            scale: table.normal_scale.unwrap_or(1.0),
+        }),
+    })
+}
+
+fn texture_use(
+    context: &Context,
+    table: &TextureTable,
+    field: &str,
+    meaning: Meaning,
+    textures: &mut Textures,
+) -> Result<TextureUse, InputError> {
+    let file = context
+        .folders
+        .resolve(&table.file, context.path, &format!("{field}.file"))?;
+    Ok(TextureUse {
+        texture: textures.get(&file, meaning, || files::read(&file))?,
+        transform: DAffine2::from_scale(DVec2::from_array(table.repeat)),
+        wrap: table.wrap,
+        interpolation: table.interpolation,
+    })
+}

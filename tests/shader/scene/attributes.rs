@@ -1,0 +1,155 @@
+//! `shaders/scene/attributes.wesl`: vertex normals and texture coordinates.
+
+use crate::support::context;
+use crate::support::random::Random;
+use crate::support::rounding::U;
+use crate::support::shader::{Answers, Function, call, words};
+use direkt::reference::scene::attributes::{
+    interpolate_normal, map_normal, seen_normal, terminator_offset,
+};
+use glam::{DVec2, DVec3};
+
+/// A triangle with vertex normals and texture coordinates, a point of it, a value of a normal map and a view.
+struct Case {
+    normals: [DVec3; 3],
+    st: DVec2,
+    u: DVec3,
+    v: DVec3,
+    uvs: [DVec2; 3],
+    mapped: DVec3,
+    wo: DVec3,
+}
+
+fn cases() -> Vec<Case> {
+    let mut random = Random::new(64);
+    let mut cases = Vec::new();
+    while cases.len() < 20_000 {
+        let (u, v) = random.edges();
+        let own = u.cross(v).normalize();
+        let lean = |random: &mut Random| (own + 0.8 * random.direction()).normalize();
+        let normals = [lean(&mut random), lean(&mut random), lean(&mut random)];
+        let mut point = || DVec2::new(random.between(-1.0, 1.0), random.between(-1.0, 1.0));
+        let uvs = [point(), point(), point()];
+        let area = (uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]);
+        if area.abs() < 0.05 {
+            continue;
+        }
+        let s = random.between(0.0, 1.0);
+        let t = random.between(0.0, 1.0 - s);
+        let mapped = random.in_cube() * DVec3::new(1.0, 1.0, 0.5) + 0.5 * DVec3::Z;
+        let wo = random.direction();
+        let rounded = |v: DVec3| v.as_vec3().as_dvec3();
+        cases.push(Case {
+            normals: normals.map(rounded),
+            st: DVec2::new(s, t).as_vec2().as_dvec2(),
+            u: rounded(u),
+            v: rounded(v),
+            uvs: uvs.map(|p| p.as_vec2().as_dvec2()),
+            mapped: rounded(mapped),
+            wo: if wo.dot(own) < 0.0 {
+                rounded(-wo)
+            } else {
+                rounded(wo)
+            },
+        });
+    }
+    cases
+}
+
+fn answers(cases: &[Case]) -> Answers {
+    let context = context();
+    let function = Function {
+        imports: "import package::scene::attributes::{
+                      VertexNormals, VertexUvs, interpolate_normal, map_normal, seen_normal, terminator_offset
+                  };",
+        body: "let n = VertexNormals(in_vec3f(0u), in_vec3f(3u), in_vec3f(6u));
+               let st = in_vec2f(9u);
+               let u = in_vec3f(11u);
+               let v = in_vec3f(14u);
+               let uvs = VertexUvs(in_vec2f(17u), in_vec2f(19u), in_vec2f(21u));
+               let own = normalize(cross(u, v));
+               out_vec3f(0u, interpolate_normal(n, st, own));
+               out_vec3f(3u, terminator_offset(n, st, u, v, 1.0));
+               out_vec3f(6u, terminator_offset(n, st, u, v, -1.0));
+               out_vec3f(9u, map_normal(in_vec3f(23u), uvs, u, v, n.a));
+               out_vec3f(12u, seen_normal(n.a, in_vec3f(26u)));",
+        inputs: 29,
+        outputs: 15,
+        features: &["SMOOTH_NORMALS", "NORMAL_MAP"],
+    };
+    let numbers: Vec<f64> = cases
+        .iter()
+        .flat_map(|c| {
+            let mut item: Vec<f64> = c.normals.iter().flat_map(|n| n.to_array()).collect();
+            item.extend(c.st.to_array());
+            item.extend([c.u.to_array(), c.v.to_array()].concat());
+            item.extend(c.uvs.iter().flat_map(|p| p.to_array()));
+            item.extend([c.mapped.to_array(), c.wo.to_array()].concat());
+            item
+        })
+        .collect();
+    call(&context, &function, &words(&numbers))
+}
+
+/// Interpolation and offsets are sums of a dozen products of numbers up to the edges' lengths; dividing by a short sum of
+/// normals amplifies.
+#[test]
+fn normals_and_offsets_are_the_twins() {
+    let cases = cases();
+    let answers = answers(&cases);
+    for (i, c) in cases.iter().enumerate() {
+        let got = |word: usize| answers.vec3(word).nth(i).expect("as many as cases");
+        let own = c.u.cross(c.v).normalize();
+        let [a, b, d] = c.normals;
+        let sum = (1.0 - c.st.x - c.st.y) * a + c.st.x * b + c.st.y * d;
+        let normal = got(0);
+        let expected = interpolate_normal(&c.normals, c.st, own);
+        let off = normal.distance(expected);
+        assert!(off < 16.0 * U / sum.length().min(1.0), "{off:e}");
+        let size = c.u.length() + c.v.length();
+        for (word, side) in [(3, 1.0), (6, -1.0)] {
+            let expected = terminator_offset(&c.normals, c.st, c.u, c.v, side);
+            let off = got(word).distance(expected);
+            assert!(off < 32.0 * U * size, "{off:e} of {size}");
+        }
+    }
+}
+
+/// The tangent is a difference of products over texture coordinates that span 0.05 or more; what of it lies along the
+/// normal is taken off again, and what the normal map says added up.
+#[test]
+fn mapped_normals_are_the_twins() {
+    let cases = cases();
+    let answers = answers(&cases);
+    for (i, c) in cases.iter().enumerate() {
+        let (du, dv) = (c.uvs[1] - c.uvs[0], c.uvs[2] - c.uvs[0]);
+        let terms = c.u.length() * dv.y.abs() + c.v.length() * du.y.abs();
+        let along_u = c.u * dv.y - c.v * du.y;
+        let normal = c.normals[0];
+        let tangent = (along_u - normal * normal.dot(along_u)).length();
+        let expected = map_normal(c.mapped, &c.uvs, c.u, c.v, normal);
+        let got = answers.vec3(9).nth(i).expect("as many as cases");
+        let bound = (16.0 * terms / tangent + 16.0) * U / c.mapped.length().min(1.0);
+        let off = got.distance(expected);
+        assert!(off < bound || bound > 0.1, "{off:e}, bound {bound:e}");
+    }
+}
+
+/// Whatever a normal is, its surface is seen: the cosine to the viewer is above zero.
+#[test]
+fn seen_normals_face_the_viewer() {
+    let cases = cases();
+    let answers = answers(&cases);
+    for (c, got) in cases.iter().zip(answers.vec3(12)) {
+        let before = c.normals[0].dot(c.wo);
+        // Turned right round where it is opposite, a normal is all rounding.
+        if before > -0.99 {
+            let expected = seen_normal(c.normals[0], c.wo);
+            assert!(got.distance(expected) < 64.0 * U, "{got} {expected}");
+            assert!(got.dot(c.wo) > 0.0, "{got} from {}", c.wo);
+        }
+        if before > 0.011 {
+            assert!(got.distance(c.normals[0]) < 8.0 * U, "{got}");
+        }
+    }
+}
