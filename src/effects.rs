@@ -74,6 +74,8 @@ effects! {
     EnvironmentLinear "ENVIRONMENT_LINEAR" "environment-interpolation",
     /// More than one light to choose from.
     LightChoice "LIGHT_CHOICE" "light-choice",
+    /// A light is chosen by a tree over the lights.
+    LightTree "LIGHT_TREE" "light-tree",
     /// Every light has shadow rays of its own.
     AllLights "LIGHT_ALL" "all-lights",
     /// Several shadow rays per camera ray.
@@ -111,7 +113,8 @@ impl Effect {
     pub fn is_way_of_sampling(self) -> bool {
         matches!(
             self,
-            Self::AllLights
+            Self::LightTree
+                | Self::AllLights
                 | Self::ShadowRays
                 | Self::CenterPattern
                 | Self::GridPattern
@@ -199,6 +202,9 @@ fn of_light_sampling(
             effects.call_for(Effect::LightChoice, || format!("{lights} lights"));
         }
         Selection::One(_) => {}
+        Selection::Tree(_) => effects.call_for(Effect::LightTree, || {
+            format!("light_selection = \"tree\", {lights} lights")
+        }),
         Selection::All(_) => effects.call_for(Effect::AllLights, || {
             format!("light selection all, {lights} lights")
         }),
@@ -218,7 +224,9 @@ fn of_shadow_rays(effects: &mut Effects, emitters: &Emitters, settings: &RenderS
     let extended = emitters.sampled().any(|l| !matches!(l, Emitter::Delta(_)));
     let has_texels =
         emitters.environment.is_some() && emitters.sampled().any(|l| *l == Emitter::Environment);
-    let chosen = effects.contains(Effect::LightChoice) && emitters.sampled().count() > 1;
+    let chooses = [Effect::LightChoice, Effect::LightTree];
+    let chooses = chooses.iter().any(|effect| effects.contains(*effect));
+    let chosen = chooses && emitters.sampled().count() > 1;
     let differ = chosen || has_texels || (extended && pattern != ShadowPattern::Center);
     let several = settings.shadow_rays > 1 && differ;
     if several {

@@ -221,7 +221,7 @@ impl SceneKernel {
             scene.primitives.binding(),
             scene.materials.binding(),
             scene.lights.binding(),
-            scene.light_alias.binding(),
+            scene.light_choice.binding(),
         ];
         if let Some(environment) = &scene.environment {
             resources.push(environment.alias.binding());
