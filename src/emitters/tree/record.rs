@@ -1,13 +1,13 @@
-//! Nodes as the GPU reads them: three words of 16 bytes for both children of a node, 24 bytes each, as in pbrt-4's compact
-//! bounds but with a sphere in place of the box, of which the importance uses no more.
+//! Nodes as the GPU reads them: three words of 16 bytes for both children of a node, 24 bytes each like pbrt-4's compact
+//! bounds, with a sphere beside the box.
 //!
 //! | 32-bit word of a child | bits |
 //! |---|---|
 //! | 0 | centre x, y: 16 bits each, on a grid over all lights |
-//! | 1 | centre z: 16 bits; radius: the upper 16 bits of an f32, rounded up |
+//! | 1 | centre z: 16 bits; radius of the sphere: the upper 16 bits of an f32, rounded up |
 //! | 2 | axis: 16 bits for each octahedral coordinate |
 //! | 3 | cosθ_o: 16 bits over [−1, 1]; cosθ_e: 15 bits over [0, 1]; two-sided: 1 bit |
-//! | 4 | intensity, f32, of all lights 1 |
+//! | 4 | half size of the box: of x, y, z each 5 bits k for the radius times 2^(−k/2); 1 bit unused; intensity, of all lights 1: the upper 16 bits of an f32 |
 //! | 5 | reference: a node, or a light with `TREE_LEAF` |
 //!
 //! A node's first 16 bytes are words 0 to 3 of the left child, then those of the right, then words 4 of both and words 5
@@ -100,31 +100,41 @@ impl Grid {
 
     /// The record of a node.
     pub fn encode(&self, children: [&Child; 2]) -> NodeWords {
-        let [left, right] = children.map(|c| self.encode_child(c));
-        let intensity = children.map(|c| {
-            let share = c.bounds.intensity / self.intensity;
-            (share.max(MIN_INTENSITY) as f32).to_bits()
-        });
-        let [a, b] = children.map(|c| c.reference);
-        [left, right, [intensity[0], intensity[1], a, b]]
+        let [(left, a), (right, b)] = children.map(|c| self.encode_child(c));
+        let references = children.map(|c| c.reference);
+        [left, right, [a, b, references[0], references[1]]]
     }
 
-    fn encode_child(&self, child: &Child) -> [u32; 4] {
-        let size = 1.0 + self.point(child.cell).abs().max_element() + child.reach;
-        let radius = round_up(child.reach + PADDING * size);
+    /// Words 0 to 3, and word 4.
+    fn encode_child(&self, child: &Child) -> ([u32; 4], u32) {
+        let centre = self.point(child.cell);
+        let padding = PADDING * (1.0 + centre.abs().max_element() + child.reach);
+        let radius = round_up(child.reach + padding);
+        let half_size = (child.bounds.high - centre).max(centre - child.bounds.low) + padding;
+        let reach = f64::from(f32::from_bits(radius << 16));
+        let [a, b, c] = half_size.to_array().map(|h| encode_ratio(h / reach));
+        let share = (child.bounds.intensity / self.intensity).max(MIN_INTENSITY);
+        let intensity = (share as f32).to_bits() & 0xffff_0000;
         let axis = encode_axis(child.bounds.normals.axis);
         let turned = decode_axis(axis).angle_between(child.bounds.normals.axis);
         let spread = (child.bounds.normals.angle + turned + TURN).min(PI);
         let spread = (0.5 * (spread.cos() + 1.0) * LAST).floor() as u32;
         let emission = (child.bounds.emission.cos().max(0.0) * LAST_EMISSION).floor() as u32;
         let [x, y, z] = child.cell;
-        [
+        let words = [
             x | y << 16,
             z | radius << 16,
             axis[0] | axis[1] << 16,
             spread | emission << 16 | u32::from(child.bounds.two_sided) << 31,
-        ]
+        ];
+        (words, intensity | a | b << 5 | c << 10)
     }
+}
+
+/// The largest k up to 31 with 2^(−k/2) at least `ratio` ≤ 1.
+fn encode_ratio(ratio: f64) -> u32 {
+    let halves = -2.0 * ratio.log2() - 1e-6;
+    halves.floor().clamp(0.0, 31.0) as u32
 }
 
 /// The upper half of the smallest f32 that is at least `x` > 0 and whose lower half is zero.
@@ -179,6 +189,14 @@ mod tests {
         for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
             assert!(decode_axis(encode_axis(axis)).distance(axis) < 5e-5);
             assert!(decode_axis(encode_axis(-axis)).distance(-axis) < 5e-5);
+        }
+    }
+
+    #[test]
+    fn ratios_are_rounded_up_by_less_than_a_half() {
+        for ratio in [1.0, 0.999, 0.71, 0.7, 0.5, 0.1, 1e-3, 4e-5] {
+            let decoded = (-0.5 * f64::from(encode_ratio(ratio))).exp2();
+            assert!(decoded >= ratio * (1.0 - 1e-12) && decoded < 1.5 * ratio, "{ratio}");
         }
     }
 

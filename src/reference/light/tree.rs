@@ -26,10 +26,12 @@ const MIN_RANGE: u32 = 1 << 24;
 /// A child's bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TreeChild {
-    /// Centre of the sphere around its lights.
+    /// Centre of the sphere and of the box around its lights.
     pub center: DVec3,
-    /// Its radius.
+    /// The sphere's radius.
     pub radius: f64,
+    /// Half the box's size.
+    pub half_size: DVec3,
     /// Unit axis of their normals.
     pub axis: DVec3,
     /// θ_o, the normals' largest angle from it.
@@ -60,47 +62,61 @@ pub fn decode_axis(word: u32) -> DVec3 {
 }
 
 /// The bounds of a child.
-pub fn decode_child(grid: &Grid, words: [u32; 4], intensity: u32) -> TreeChild {
+pub fn decode_child(grid: &Grid, words: [u32; 4], further: u32) -> TreeChild {
     let cell = [words[0] & 0xffff, words[0] >> 16, words[1] & 0xffff];
     let spread = f64::from(words[3] & 0xffff) * 2.0 / 65_535.0 - 1.0;
     let emission = f64::from(words[3] >> 16 & 0x7fff) / 32_767.0;
+    let radius = f64::from(f32::from_bits(words[1] & 0xffff_0000));
+    let half_size = [0, 5, 10].map(|at| radius * (-0.5 * f64::from(further >> at & 31)).exp2());
     TreeChild {
         center: grid.point(cell),
-        radius: f64::from(f32::from_bits(words[1] & 0xffff_0000)),
+        radius,
+        half_size: DVec3::from_array(half_size),
         axis: decode_axis(words[2]),
         spread: spread.acos(),
         emission: emission.acos(),
         two_sided: words[3] >> 31 == 1,
-        intensity: f64::from(f32::from_bits(intensity)),
+        intensity: f64::from(f32::from_bits(further & 0xffff_0000)),
     }
+}
+
+/// The largest cosine that a vector of this component may have which is at least `nearest` long and about `distance`.
+pub fn cosine_bound(component: f64, nearest: f64, distance: f64) -> f64 {
+    let length = if component > 0.0 { nearest } else { distance };
+    component / component.abs().max(length).max(1e-18)
 }
 
 /// Estimate of what the lights of a child contribute to the surface at `x` with the normal `normal`; 0 only where none of
 /// them can.
 pub fn tree_importance(child: &TreeChild, x: DVec3, normal: DVec3) -> f64 {
     let to = child.center - x;
-    let d = to.length();
-    let (mut emitted, mut received) = (0.0, 0.0);
-    if d > child.radius {
-        let height = normal.dot(to);
-        if height + child.radius <= -HEIGHT_ERROR * d {
-            return 0.0;
-        }
-        let seen = (child.radius / d).asin();
-        let angle = |axis: DVec3, w: DVec3| axis.cross(w).length().atan2(axis.dot(w));
-        received = f64::max(angle(normal, to) - seen, 0.0);
-        let mut from_axis = angle(child.axis, -to);
-        if child.two_sided {
-            from_axis = from_axis.min(std::f64::consts::PI - from_axis);
-        }
-        emitted = f64::max(f64::max(from_axis - child.spread, 0.0) - seen, 0.0);
-        if emitted.cos() < child.emission.cos() - COSINE_ERROR {
-            return 0.0;
-        }
+    let distance = to.length();
+    let height = normal.dot(to) + normal.abs().dot(child.half_size);
+    if height <= -HEIGHT_ERROR * distance {
+        return 0.0;
     }
-    let cosines = emitted.cos().max(0.0) * received.cos().max(0.0);
-    let distance = d.max(child.radius);
-    (child.intensity * cosines / (distance * distance)).max(MIN_IMPORTANCE)
+    let nearest = (to.abs() - child.half_size).max(DVec3::ZERO).length();
+    let d = distance.max(child.radius);
+    let signed = -child.axis.dot(to);
+    let along = if child.two_sided {
+        signed.abs()
+    } else {
+        signed
+    };
+    let foremost = along + child.axis.abs().dot(child.half_size);
+    let mut emitted = cosine_bound(foremost, nearest, distance).acos() - child.spread;
+    if distance > child.radius {
+        let angle = child.axis.cross(to).length().atan2(along);
+        let seen = (child.radius / d).asin();
+        let bound = f64::max(f64::max(angle - child.spread, 0.0) - seen, 0.0);
+        if bound.cos() < child.emission.cos() - COSINE_ERROR {
+            return 0.0;
+        }
+        emitted = emitted.max(bound);
+    }
+    let emitted = emitted.max(0.0).cos().max(0.0);
+    let received = cosine_bound(height, nearest, distance).max(0.0);
+    (child.intensity * emitted * received / (d * d)).max(MIN_IMPORTANCE)
 }
 
 /// What a node offers to a surface: the probability of its left child, `None` where neither child may contribute.
