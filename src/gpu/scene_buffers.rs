@@ -55,10 +55,7 @@ impl SceneBuffers {
             ("the primitives", size_of_val(primitives.as_slice())),
             ("the materials", size_of_val(materials.as_slice())),
             ("the lights", size_of_val(lights.as_slice())),
-            (
-                "what lights are chosen by",
-                size_of_val(choice.as_slice()),
-            ),
+            ("what lights are chosen by", size_of_val(choice.as_slice())),
         ] {
             check_size(context, what, bytes as u64)?;
         }

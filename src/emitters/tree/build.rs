@@ -176,22 +176,19 @@ impl Best {
             let bucket = &mut buckets[self.bucket_of(p)];
             *bucket = join(*bucket, Some(p.light.bounds));
         }
-        let mut costs = [0.0; BUCKETS - 1];
-        let mut add = |bucket: usize, side: Option<LightBounds>| {
-            costs[bucket] += side.map_or(f64::INFINITY, |bounds| bounds.cost());
-        };
-        let mut side = None;
-        for bucket in 0..BUCKETS - 1 {
-            side = join(side, buckets[bucket]);
-            add(bucket, side);
-        }
-        side = None;
-        for bucket in (0..BUCKETS - 1).rev() {
-            side = join(side, buckets[bucket + 1]);
-            add(bucket, side);
-        }
-        costs
+        let left = running_costs(buckets.iter());
+        let right = running_costs(buckets.iter().rev());
+        std::array::from_fn(|bucket| left[bucket] + right[BUCKETS - 2 - bucket])
     }
+}
+
+/// Cost of the first bucket, of the first two together, and so on; infinite while they are empty.
+fn running_costs<'a>(buckets: impl Iterator<Item = &'a Option<LightBounds>>) -> Vec<f64> {
+    let add = |side: &mut Option<LightBounds>, bucket: &Option<LightBounds>| {
+        *side = join(*side, *bucket);
+        Some(side.map_or(f64::INFINITY, |bounds| bounds.cost()))
+    };
+    buckets.scan(None, add).collect()
 }
 
 fn join(a: Option<LightBounds>, b: Option<LightBounds>) -> Option<LightBounds> {

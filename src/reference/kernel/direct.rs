@@ -208,7 +208,7 @@ impl<'a> Direct<'a> {
             Some(Selection::One(_) | Selection::Tree(_)) => {
                 for ray in 0..rays {
                     let u = self.shadow_rays.light_numbers(id, 0, ray);
-                    if let Some(choice) = self.choose(s, u) {
+                    if let Some(choice) = self.choose(s, u, sample) {
                         sum += self.estimate_by_shadow_ray(s, choice, u, sample) / f64::from(rays);
                     }
                 }
@@ -231,10 +231,13 @@ impl<'a> Direct<'a> {
     }
 
     /// A light for the surface; `None` where none can shine on it.
-    fn choose(&self, s: &Surface, u: LightNumbers) -> Option<Choice> {
+    fn choose(&self, s: &Surface, u: LightNumbers, sample: &mut Sample) -> Option<Choice> {
         match &self.world.prepared.emitters.selection {
             Some(Selection::Tree(tree)) => {
-                choose_tree_light(tree, u.choice, u.tree, s.position, s.frame.z)
+                let chosen = choose_tree_light(tree, u.choice, u.tree, s.position, s.frame.z);
+                let least = &mut sample.conditions.choice_margin;
+                *least = least.min(chosen.margin);
+                chosen.choice
             }
             _ => choose_light(&self.world, u.choice),
         }

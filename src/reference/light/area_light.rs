@@ -351,9 +351,7 @@ pub fn sample_area_light(
 pub fn pdf_light(world: &World<'_>, light: u32, x: DVec3, normal: DVec3) -> PdfDiscrete {
     let emitters = &world.prepared.emitters;
     match &emitters.selection {
-        Some(Selection::Tree(tree)) => {
-            pdf_tree_light(tree, tree.trails[light as usize], x, normal)
-        }
+        Some(Selection::Tree(tree)) => pdf_tree_light(tree, tree.trails[light as usize], x, normal),
         _ => PdfDiscrete(emitters.probability(light as usize)),
     }
 }

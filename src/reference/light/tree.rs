@@ -51,10 +51,7 @@ pub fn decode_axis(word: u32) -> DVec3 {
     let z = 1.0 - e.x.abs() - e.y.abs();
     let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
     let xy = if z < 0.0 {
-        DVec2::new(
-            (1.0 - e.y.abs()) * sign(e.x),
-            (1.0 - e.x.abs()) * sign(e.y),
-        )
+        DVec2::new((1.0 - e.y.abs()) * sign(e.x), (1.0 - e.x.abs()) * sign(e.y))
     } else {
         e
     };
@@ -120,12 +117,7 @@ pub fn tree_importance(child: &TreeChild, x: DVec3, normal: DVec3) -> f64 {
 }
 
 /// What a node offers to a surface: the probability of its left child, `None` where neither child may contribute.
-pub fn tree_choice(
-    grid: &Grid,
-    node: &NodeWords,
-    x: DVec3,
-    normal: DVec3,
-) -> Option<PdfDiscrete> {
+pub fn tree_choice(grid: &Grid, node: &NodeWords, x: DVec3, normal: DVec3) -> Option<PdfDiscrete> {
     let importance = [0, 1].map(|side| {
         let child = decode_child(grid, node[side], node[2][side]);
         tree_importance(&child, x, normal)
@@ -143,7 +135,7 @@ pub fn tree_choice(
 }
 
 /// A random word on its way down the tree: the interval of words in which it lies, of which every decision leaves a part.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TreeWalk {
     /// Position in the interval.
     pub code: u32,
@@ -151,9 +143,21 @@ pub struct TreeWalk {
     pub range: u32,
     /// What the next word is hashed from.
     pub words: [u32; 4],
+    /// The least distance of a position from where the decision changes, relative to the interval.
+    pub margin: f64,
 }
 
 impl TreeWalk {
+    /// At the root, at `code` of all words.
+    pub fn new(code: u32, words: [u32; 4]) -> Self {
+        Self {
+            code,
+            range: u32::MAX,
+            words,
+            margin: 1.0,
+        }
+    }
+
     /// Whether the walk goes left, with probability `p`.
     pub fn walk_left(&mut self, p: PdfDiscrete) -> bool {
         if p.0 <= 0.0 || p.0 >= 1.0 {
@@ -167,6 +171,8 @@ impl TreeWalk {
         }
         let split = multiply_high(self.range, (p.0 * 32_f64.exp2()) as u32);
         let left = self.code < split;
+        let distance = f64::from(self.code.abs_diff(split)) / f64::from(self.range);
+        self.margin = self.margin.min(distance);
         if left {
             self.range = split;
         } else {
@@ -180,28 +186,39 @@ impl TreeWalk {
     }
 }
 
+/// What a walk down the tree found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TreeChosen {
+    /// The light; `None` where no light of the tree can contribute.
+    pub choice: Option<Choice>,
+    /// See [`TreeWalk::margin`].
+    pub margin: f64,
+}
+
 /// The light that the random word `u` and, where it does not suffice, words hashed from `words` select for the surface at
-/// `x` with the normal `normal`; `None` where no light of the tree can contribute.
+/// `x` with the normal `normal`.
 pub fn choose_tree_light(
     tree: &LightTree,
     u: u32,
     words: [u32; 4],
     x: DVec3,
     normal: DVec3,
-) -> Option<Choice> {
+) -> TreeChosen {
     let infinite = tree.infinite.len() as u32;
     let group = multiply_high(u, infinite + 1);
-    if let Some(&index) = tree.infinite.get(group as usize) {
-        return Some(Choice {
-            index,
-            probability: PdfDiscrete(tree.share()),
-        });
+    let mut walk = TreeWalk::new(u.wrapping_mul(infinite + 1), words);
+    let outside = tree.infinite.get(group as usize).map(|&index| Choice {
+        index,
+        probability: PdfDiscrete(tree.share()),
+    });
+    let choice = outside.or_else(|| descend(tree, &mut walk, x, normal));
+    TreeChosen {
+        choice,
+        margin: walk.margin,
     }
-    let mut walk = TreeWalk {
-        code: u.wrapping_mul(infinite + 1),
-        range: u32::MAX,
-        words,
-    };
+}
+
+fn descend(tree: &LightTree, walk: &mut TreeWalk, x: DVec3, normal: DVec3) -> Option<Choice> {
     let mut probability = tree.share();
     let mut reference = 0;
     while reference & TREE_LEAF == 0 {
