@@ -116,6 +116,8 @@ effects! {
     EnvironmentLinear "ENVIRONMENT_LINEAR" "environment-interpolation" Simulation |r| r.environment_interpolation();
     /// More than one light to choose from.
     LightChoice "LIGHT_CHOICE" "light-choice" Simulation |r| r.light_choice();
+    /// A light is chosen by a tree over the lights.
+    LightTree "LIGHT_TREE" "light-tree" Sampling |r| r.light_tree();
     /// Every light has shadow rays of its own.
     AllLights "LIGHT_ALL" "all-lights" Sampling |r| r.all_lights();
     /// Several shadow rays per camera ray.

@@ -96,6 +96,10 @@ fn structs_have_the_same_members() {
         shadow_columns,
         shadow_steps,
         padding,
+        light_grid_origin,
+        tree_nodes,
+        light_grid_step,
+        infinite_lights,
     });
     let dispatch = members!(Dispatch {
         block_start,

@@ -6,6 +6,9 @@ use crate::reference::Sample;
 const UNREMARKABLE: f64 = 1e-4;
 /// Angle by which rounding turns a direction, or the surface under a point, in the normalised scene.
 const ROUNDING: f64 = 5e-7;
+/// How far rounding moves the decisions of a light tree, relative to the random words that are left: the distance to a near
+/// light is known to 10⁻⁵, and of the words the first decisions leave a part.
+const CHOICE_ROUNDING: f64 = 1e-3;
 /// A mechanism that predicts less than this part of a difference does not explain it: predictions are rough.
 const ROUGH: f64 = 1e-2;
 
@@ -62,6 +65,15 @@ fn mechanisms(sample: &Sample) -> Vec<Mechanism> {
             predicted: 2.0 * angle / alpha,
             sentence: format!(
                 "a GGX lobe of width α = {alpha} amplifies the rounding of directions"
+            ),
+        });
+    }
+    if c.choice_margin < CHOICE_ROUNDING {
+        found.push(Mechanism {
+            predicted: 1.0,
+            sentence: format!(
+                "the light tree chooses another light within rounding (a random word is {:.1e} of its range away)",
+                c.choice_margin
             ),
         });
     }

@@ -42,10 +42,15 @@ impl Estimator {
     /// default.
     pub fn effective(self, prepared: &Prepared) -> Self {
         let calls_for = |effect| prepared.effects.contains(effect);
-        let selects = calls_for(Effect::LightChoice) || calls_for(Effect::AllLights);
+        let by_table = match self.light_selection {
+            LightSelection::Tree => LightSelection::Uniform,
+            other => other,
+        };
         Self {
-            light_selection: if selects {
+            light_selection: if calls_for(Effect::AllLights) || calls_for(Effect::LightTree) {
                 self.light_selection
+            } else if calls_for(Effect::LightChoice) {
+                by_table
             } else {
                 LightSelection::default()
             },

@@ -126,6 +126,12 @@ impl Rules<'_> {
         (one && lights > 1).then(|| format!("{lights} lights"))
     }
 
+    pub(super) fn light_tree(&self) -> Option<String> {
+        let tree = matches!(self.emitters.selection, Some(Selection::Tree(_)));
+        let lights = self.emitters.lights.len();
+        tree.then(|| format!("light_selection = \"tree\", {lights} lights"))
+    }
+
     pub(super) fn all_lights(&self) -> Option<String> {
         let all = matches!(self.emitters.selection, Some(Selection::All(_)));
         all.then(|| format!("light selection all, {} lights", self.emitters.lights.len()))
@@ -143,7 +149,8 @@ impl Rules<'_> {
         let center = self.scene.render.shadow_pattern == ShadowPattern::Center;
         let has_texels = self.emitters.environment.is_some()
             && self.emitters.sampled().any(|l| *l == Emitter::Environment);
-        let chosen = self.has(Effect::LightChoice) && self.emitters.sampled().count() > 1;
+        let chooses = self.has(Effect::LightChoice) || self.has(Effect::LightTree);
+        let chosen = chooses && self.emitters.sampled().count() > 1;
         let differ = chosen || has_texels || (self.samples_extended_lights() && !center);
         (rays > 1 && differ).then(|| format!("shadow_rays = {rays}"))
     }

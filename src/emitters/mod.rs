@@ -2,15 +2,18 @@
 
 mod environment;
 mod selection;
+pub mod tree;
 
 pub use environment::EnvironmentGrid;
 pub use selection::Selection;
+pub use tree::LightTree;
 
 use crate::accel::Primitive;
 use crate::scene::normalize::Normalization;
 use crate::scene::{Environment, EnvironmentRadiance, Light, LightSelection, Scene, Strategy};
 use glam::DVec3;
 use std::f64::consts::PI;
+use tree::TreeLight;
 
 /// One light, in normalised space.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,18 +109,24 @@ impl Emitters {
             .zip(&power)
             .map(|(light, &power)| match (strategy, light, selection) {
                 (s, Emitter::Area { .. } | Emitter::Environment, _) if !s.samples_lights() => 0.0,
-                (_, _, LightSelection::Uniform | LightSelection::All) => 1.0,
+                (_, _, LightSelection::Uniform | LightSelection::Tree | LightSelection::All) => 1.0,
                 (_, _, LightSelection::Power) => power,
             })
             .collect();
+        let tree = match selection {
+            LightSelection::Tree => tree_over(&lights, &weights, primitives),
+            LightSelection::Uniform | LightSelection::Power | LightSelection::All => None,
+        };
+        let table = || Selection::new(&weights, selection);
         Self {
+            selection: tree.map(Selection::Tree).or_else(table),
             lights,
-            selection: Selection::new(&weights, selection),
             environment: grid,
         }
     }
 
-    /// Probability with which a light sample is one of light `index`; 1 where every light has its own.
+    /// Probability with which a light sample is one of light `index`: with a tree in the mean over surfaces, 1 where every
+    /// light has its own.
     pub fn probability(&self, index: usize) -> f64 {
         self.selection
             .as_ref()
@@ -142,6 +151,34 @@ impl Emitters {
         let sampled = lights.filter(|(index, _)| self.probability(*index) > 0.0);
         sampled.map(|(_, light)| light)
     }
+}
+
+/// The light tree over those `lights` whose weight is positive. `None` where fewer than two of them are at a finite distance:
+/// the tree's rule then gives all the same probability.
+fn tree_over(lights: &[Emitter], weights: &[f64], primitives: &[Primitive]) -> Option<LightTree> {
+    let mut finite = Vec::new();
+    let mut infinite = Vec::new();
+    let sampled = (0..).zip(lights).zip(weights).filter(|(_, w)| **w > 0.0);
+    for ((index, light), _) in sampled {
+        let light = match light {
+            Emitter::Area {
+                primitive,
+                radiance,
+                two_sided,
+            } => {
+                let geometry = &primitives[*primitive as usize].geometry;
+                let radiance = luminance(*radiance);
+                Some(TreeLight::area(index, geometry, radiance, *two_sided))
+            }
+            Emitter::Delta(light) => TreeLight::delta(index, light),
+            Emitter::Environment => None,
+        };
+        match light {
+            Some(light) => finite.push(light),
+            None => infinite.push(index),
+        }
+    }
+    LightTree::new(&finite, infinite, lights.len())
 }
 
 fn normalized(light: &Light, n: &Normalization) -> Light {

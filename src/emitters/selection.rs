@@ -1,5 +1,6 @@
 //! Which lights a light sample can be of.
 
+use super::tree::LightTree;
 use crate::scene::LightSelection;
 use crate::scene::alias_table::AliasTable;
 
@@ -8,6 +9,8 @@ use crate::scene::alias_table::AliasTable;
 pub enum Selection {
     /// Each sample is of one light, chosen at random.
     One(AliasTable),
+    /// Each sample is of one light, chosen by what it may contribute to the surface.
+    Tree(LightTree),
     /// Every light has samples of its own; those whose entry is `false` have none.
     All(Vec<bool>),
 }
@@ -23,19 +26,29 @@ impl Selection {
         sampled.contains(&true).then_some(Self::All(sampled))
     }
 
-    /// Probability with which a sample is one of light `index`; 1 where every light has its own.
+    /// Probability with which a sample is one of light `index`: with a tree in the mean over surfaces, 1 where every light
+    /// has its own.
     pub fn probability(&self, index: usize) -> f64 {
         match self {
             Self::One(table) => table.probability[index],
+            Self::Tree(tree) => tree.mean_probability(index),
             Self::All(sampled) => f64::from(u8::from(sampled[index])),
         }
     }
 
-    /// The table by which one light is chosen; `None` where every light has samples of its own.
+    /// The table by which one light is chosen, where there is one.
     pub fn table(&self) -> Option<&AliasTable> {
         match self {
             Self::One(table) => Some(table),
-            Self::All(_) => None,
+            Self::Tree(_) | Self::All(_) => None,
+        }
+    }
+
+    /// The tree by which one light is chosen, where there is one.
+    pub fn tree(&self) -> Option<&LightTree> {
+        match self {
+            Self::Tree(tree) => Some(tree),
+            Self::One(_) | Self::All(_) => None,
         }
     }
 }

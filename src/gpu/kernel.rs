@@ -249,7 +249,7 @@ impl SceneKernel {
             scene.primitives.binding(),
             scene.materials.binding(),
             scene.lights.binding(),
-            scene.light_alias.binding(),
+            scene.light_choice.binding(),
         ];
         let texture = wgpu::BindingResource::TextureView;
         let mut resources: Vec<_> = (0..).zip(resources).collect();

@@ -60,6 +60,14 @@ pub struct Frame {
     pub shadow_steps: [u32; 2],
     /// Unused.
     pub padding: [u32; 2],
+    /// Lower corner of the grid on which the light tree's spheres lie.
+    pub light_grid_origin: [f32; 3],
+    /// Nodes of the light tree.
+    pub tree_nodes: u32,
+    /// Size of the grid's cells.
+    pub light_grid_step: [f32; 3],
+    /// Sampled lights that the light tree leaves out.
+    pub infinite_lights: u32,
 }
 
 /// `Dispatch` of `shaders/types.wesl`: what changes from dispatch to dispatch.
@@ -219,6 +227,8 @@ shared! {
     "scene::fetch" TWO_SIDED_BIT = 8;
     /// Set in a light's head where its edges or half axes are not orthogonal.
     "scene::fetch" SKEWED_BIT = 16;
+    /// Marks a reference to a light in the light tree.
+    "light::tree" TREE_LEAF = crate::emitters::tree::TREE_LEAF;
     /// What a traced shadow ray adds to `SampleRecord::shadow`.
     "kernel::sample_record" SHADOW_TRACED = 1;
     /// What one that met nothing adds to it as well.

@@ -32,8 +32,9 @@ pub struct SceneBuffers {
     pub materials: GpuBuffer<Word>,
     /// Four words per light.
     pub lights: GpuBuffer<Word>,
-    /// One word per light.
-    pub light_alias: GpuBuffer<Word>,
+    /// What lights are chosen by: an alias table, one word per light; or a light tree, three words per node and one per
+    /// light outside of it.
+    pub light_choice: GpuBuffer<Word>,
     /// The environment map, when there is one.
     pub environment: Option<EnvironmentBuffers>,
     /// Three words per triangle with vertex normals or texture coordinates.
@@ -54,10 +55,7 @@ impl SceneBuffers {
         let atlases = [&textures.colors.atlas, &textures.data.atlas];
         let materials = material_words(&prepared.scene, atlases);
         let lights = light_words(prepared);
-        let table = prepared.emitters.selection.as_ref();
-        let table = table.and_then(Selection::table);
-        let samples = |index| prepared.light_samples(index);
-        let alias = table.map_or_else(Vec::new, |table| alias_words(table, samples));
+        let choice = choice_words(prepared);
         for (what, bytes) in [
             (
                 "the BVH's nodes",
@@ -70,6 +68,7 @@ impl SceneBuffers {
             ),
             ("the materials", size_of_val(materials.as_slice())),
             ("the lights", size_of_val(lights.as_slice())),
+            ("what lights are chosen by", size_of_val(choice.as_slice())),
         ] {
             check_size(context, what, bytes as u64)?;
         }
@@ -86,7 +85,7 @@ impl SceneBuffers {
             primitives: GpuBuffer::storage(device, "scene.primitives", &primitives),
             materials: GpuBuffer::storage(device, "scene.materials", &materials),
             lights: GpuBuffer::storage(device, "scene.lights", &lights),
-            light_alias: GpuBuffer::storage(device, "scene.light_alias", &alias),
+            light_choice: GpuBuffer::storage(device, "scene.light_choice", &choice),
             environment,
             attributes: GpuBuffer::storage(device, "scene.attributes", &attributes),
             textures,
@@ -171,7 +170,24 @@ fn attribute_words(prepared: &Prepared) -> Vec<Word> {
     words.collect()
 }
 
+/// See `SceneBuffers::light_choice`.
+fn choice_words(prepared: &Prepared) -> Vec<Word> {
+    let samples = |index| prepared.light_samples(index);
+    match &prepared.emitters.selection {
+        Some(Selection::One(table)) => alias_words(table, samples),
+        Some(Selection::Tree(tree)) => {
+            let outside = tree.infinite.iter().map(|&index| [index, 0, 0, 0]);
+            let nodes = tree.nodes.iter().copied().flatten();
+            nodes.chain(outside).collect()
+        }
+        Some(Selection::All(_)) | None => Vec::new(),
+    }
+}
+
 fn light_words(prepared: &Prepared) -> Vec<Word> {
+    let tree = prepared.emitters.selection.as_ref();
+    let tree = tree.and_then(Selection::tree);
+    let trail = |index: usize| tree.map_or(0, |tree| tree.trails[index]);
     let words = prepared
         .emitters
         .lights
@@ -188,7 +204,7 @@ fn light_words(prepared: &Prepared) -> Vec<Word> {
                     &prepared.primitives[primitive as usize].geometry,
                     radiance,
                     two_sided,
-                    samples,
+                    [samples, trail(index)],
                 ),
                 Emitter::Delta(light) => delta_light(&light, samples),
                 Emitter::Environment => [
@@ -206,7 +222,7 @@ fn area_light(
     geometry: &PrimitiveGeometry,
     radiance: DVec3,
     two_sided: bool,
-    samples: u32,
+    [samples, trail]: [u32; 2],
 ) -> [Word; 4] {
     let flag = |set: bool, bit: u32| if set { bit } else { 0 };
     let flags = flag(two_sided, TWO_SIDED_BIT) | flag(geometry.is_skewed(), SKEWED_BIT);
@@ -225,7 +241,7 @@ fn area_light(
         word(a, kind | flags),
         word(u, samples),
         word(v, bits(geometry.area())),
-        word(radiance, 0),
+        word(radiance, trail),
     ]
 }
 
@@ -310,6 +326,13 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
         shadow_steps: shadow_grid.steps,
         ..Frame::default()
     };
+    let tree = prepared.emitters.selection.as_ref();
+    if let Some(tree) = tree.and_then(Selection::tree) {
+        frame.light_grid_origin = tree.grid.origin;
+        frame.light_grid_step = tree.grid.step;
+        frame.tree_nodes = tree.nodes.len() as u32;
+        frame.infinite_lights = tree.infinite.len() as u32;
+    }
     if let Some(environment) = &prepared.scene.environment {
         let to_map = environment.rotation.transpose();
         let row = |i: usize| f3(to_map.row(i));

@@ -34,6 +34,7 @@ pub const SUPPORTED: &[Effect] = &[
     Effect::EnvironmentMap,
     Effect::EnvironmentLinear,
     Effect::LightChoice,
+    Effect::LightTree,
     Effect::AllLights,
     Effect::ShadowRays,
     Effect::CenterPattern,

@@ -81,6 +81,9 @@ choice! {
         /// In proportion to emitted power.
         #[default]
         Power,
+        /// In proportion to an estimate of what a light may contribute to the surface, by a tree over the lights (Conty
+        /// Estevez & Kulla 2018): for many lights.
+        Tree,
         /// None is chosen: every light gets shadow rays of its own.
         All,
     }

@@ -371,13 +371,15 @@ impl Check<'_> {
         )?;
         let samples = match render.light_selection {
             LightSelection::All => scene.samples_of_all_lights(),
-            LightSelection::Uniform | LightSelection::Power => u64::from(rays),
+            LightSelection::Uniform | LightSelection::Power | LightSelection::Tree => {
+                u64::from(rays)
+            }
         };
         self.require(
             samples <= MAX_LIGHT_SAMPLES,
             || "render.light_selection".to_owned(),
             || format!("is \"all\", which takes {samples} shadow rays per camera ray here"),
-            "at most 65535 of them: fewer shadow_rays, or \"power\" or \"uniform\"",
+            "at most 65535 of them: fewer shadow_rays, or \"tree\", \"power\" or \"uniform\"",
         )
     }
 

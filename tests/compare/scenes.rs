@@ -70,6 +70,31 @@ fn gpu_and_reference_agree_with_several_shadow_rays() {
     }
 }
 
+/// Lights chosen by a tree, with one ray and with several, on every scene and on one of 100,000 lights.
+#[test]
+fn gpu_and_reference_agree_with_a_light_tree() {
+    use ShadowPattern::{Random, Stratified};
+    let mut scenes = own_scenes();
+    let many = "scenes/many_lights/many_lights.toml";
+    scenes.push((many.to_owned(), scene(many)));
+    for (name, scene) in scenes {
+        for (strategy, rays, pattern, sampler) in [
+            (Strategy::MisPower, 1, Random, Sampler::Sobol),
+            (Strategy::MisBalance, 4, Stratified, Sampler::BlueNoise),
+            (Strategy::LightArea, 3, Random, Sampler::Independent),
+        ] {
+            let mut scene = scene.clone();
+            scene.render.light_selection = LightSelection::Tree;
+            scene.render.shadow_rays = rays;
+            scene.render.shadow_pattern = pattern;
+            scene.render.sampler = sampler;
+            let comparison = compared(&scene, strategy, (1 << 11, 64), None);
+            let what = format!("{name}, light tree, {strategy}, {rays} {pattern}, {sampler}");
+            assert_agrees(&comparison, &what);
+        }
+    }
+}
+
 #[test]
 fn gpu_and_reference_agree_on_gltf_and_on_scenes_with_models() {
     let Some(assets) = shared("assets") else {

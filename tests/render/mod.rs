@@ -4,6 +4,7 @@ mod compensation;
 mod error;
 mod invariance;
 mod ledger;
+mod light_tree;
 mod one_pixel;
 mod random_polygons;
 mod shadow_rays;

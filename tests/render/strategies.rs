@@ -94,16 +94,17 @@ fn light_selection_does_not_change_the_mean() {
     let selections = [
         LightSelection::Uniform,
         LightSelection::Power,
+        LightSelection::Tree,
         LightSelection::All,
     ];
     for (name, scene) in own_scenes() {
         let all =
             selections.map(|selection| Prepared::new(scene.clone(), Strategy::MisPower, selection));
-        let films = [0, 1, 2].map(|i| {
+        let films = [0, 1, 2, 3].map(|i| {
             let run = (FILM, 80 + i as u32, SAMPLES);
             recorded_film(&context, &all[i], run, Part::Reflected)
         });
-        for i in [1, 2] {
+        for i in [1, 2, 3] {
             let what = format!(
                 "{name}, uniform and {}, {}",
                 selections[i], context.adapter.name

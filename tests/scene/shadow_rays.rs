@@ -31,7 +31,7 @@ fn too_many_shadow_rays() {
     let sphere = "[[shapes]]\ntype = \"sphere\"\nemission = { radiance = 1 }\n";
     says(
         refused(&scene("", sphere)),
-        "render.light_selection: is \"all\", which takes 65536 shadow rays per camera ray here; expected at most 65535 of them: fewer shadow_rays, or \"power\" or \"uniform\"",
+        "render.light_selection: is \"all\", which takes 65536 shadow rays per camera ray here; expected at most 65535 of them: fewer shadow_rays, or \"tree\", \"power\" or \"uniform\"",
     );
     let point = "[[lights]]\ntype = \"point\"\nposition = [0, 0, 1]\nintensity = 1\n";
     let folder = Folder::new();

@@ -12,6 +12,9 @@ pub const GROUP_LIGHT: u32 = 1;
 /// Direction x, direction y, environment texel, –.
 pub const GROUP_DIRECTION: u32 = 2;
 
+/// What the light tree needs beyond the light choice, one word after the other.
+pub const GROUP_LIGHT_TREE: u32 = 3;
+
 /// Group of the points on light 0, where every light has its own, or of a grid's first cell: light point x, light point
 /// y; –, –. That of the next follows.
 pub const GROUP_LIGHT_POINTS: u32 = 16;
@@ -110,7 +113,12 @@ pub fn morton(x: u32, y: u32) -> u32 {
 
 /// The four random words of a group of dimensions, each by itself.
 pub fn random_group(id: SampleId, group: u32) -> [u32; 4] {
+    pcg4d(independent_counter(id, group))
+}
+
+/// What the words of a group are hashed from where each is drawn by itself.
+pub fn independent_counter(id: SampleId, group: u32) -> [u32; 4] {
     let (low, high) = (id.index as u32, (id.index >> 32) as u32);
     let group = group.wrapping_mul(0x9e37_79b9);
-    pcg4d([id.pixel, low, high.wrapping_add(group), id.seed])
+    [id.pixel, low, high.wrapping_add(group), id.seed]
 }

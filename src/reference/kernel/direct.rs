@@ -30,6 +30,7 @@ use crate::reference::light::light::{
     choose_light, emitted_radiance, environment_cell_margin, environment_radiance, own_samples,
     pdf_environment, sample_chosen_light,
 };
+use crate::reference::light::tree::choose_tree_light;
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::surface::{Surface, is_above, shadow_ray, surface_at};
 use crate::reference::scene::trace::{any_hit, closest_hit};
@@ -215,10 +216,10 @@ impl<'a> Direct<'a> {
         let mut sum = DVec3::ZERO;
         match &emitters.selection {
             None => {}
-            Some(Selection::One(_)) => {
+            Some(Selection::One(_) | Selection::Tree(_)) => {
                 for ray in 0..rays {
                     let u = self.shadow_rays.light_numbers(id, 0, ray);
-                    if let Some(choice) = choose_light(&self.world, u.choice) {
+                    if let Some(choice) = self.choose(s, u, sample) {
                         sum += self.estimate_by_shadow_ray(s, choice, u, sample) / f64::from(rays);
                     }
                 }
@@ -238,6 +239,19 @@ impl<'a> Direct<'a> {
             }
         }
         sum
+    }
+
+    /// A light for the surface; `None` where none can shine on it.
+    fn choose(&self, s: &Surface, u: LightNumbers, sample: &mut Sample) -> Option<Choice> {
+        match &self.world.prepared.emitters.selection {
+            Some(Selection::Tree(tree)) => {
+                let chosen = choose_tree_light(tree, u.choice, u.tree, s.position, s.frame.z);
+                let least = &mut sample.conditions.choice_margin;
+                *least = least.min(chosen.margin);
+                chosen.choice
+            }
+            _ => choose_light(&self.world, u.choice),
+        }
     }
 
     /// L_i f_r cosθ / p(light, ω_i) of one light sample.
@@ -341,15 +355,9 @@ impl<'a> Direct<'a> {
         {
             sample.conditions.bsdf_light_curvature = hit.t / radius;
         }
-        let (choice, on_light) = pdf_light_area(world, light);
-        let pdf = pdf_area_light(
-            world,
-            light,
-            (s.position, &s.frame),
-            ray.direction,
-            hit.t * hit.t,
-            y.cos_o,
-        );
+        let place = (s.position, &s.frame);
+        let (choice, on_light) = pdf_light_area(world, light, place);
+        let pdf = pdf_area_light(world, light, place, ray.direction, hit.t * hit.t, y.cos_o);
         (
             emitted_radiance(world, light, y.front),
             BrokenTwin::measure(self.broken, choice, Some(on_light), pdf),

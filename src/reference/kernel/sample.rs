@@ -54,6 +54,8 @@ pub struct Conditions {
     pub normal_rounding: f64,
     /// Angle between the BSDF-sampled direction and the edge of its cell in the environment's sampling grid.
     pub cell_margin: f64,
+    /// Least distance of a random word from where a decision of the light tree changes, relative to the words it is one of.
+    pub choice_margin: f64,
 }
 
 impl Default for Conditions {
@@ -67,6 +69,7 @@ impl Default for Conditions {
             alpha: None,
             normal_rounding: 0.0,
             cell_margin: std::f64::consts::PI,
+            choice_margin: 1.0,
         }
     }
 }

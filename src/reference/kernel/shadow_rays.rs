@@ -3,7 +3,8 @@
 use crate::emitters::Selection;
 use crate::reference::core::rng::to_unit_2d;
 use crate::reference::core::sampler::{
-    GROUP_DIRECTION, GROUP_LIGHT, GROUP_LIGHT_POINTS, Numbers, SampleId, part_of_sample,
+    GROUP_DIRECTION, GROUP_LIGHT, GROUP_LIGHT_POINTS, GROUP_LIGHT_TREE, Numbers, SampleId,
+    independent_counter, part_of_sample,
 };
 use crate::render::Prepared;
 use crate::scene::{ShadowGrid, ShadowPattern};
@@ -18,6 +19,8 @@ pub struct LightNumbers {
     pub texel: u32,
     /// Point on the light.
     pub point: DVec2,
+    /// What the light tree's words beyond `choice` are hashed from.
+    pub tree: [u32; 4],
 }
 
 /// How the shadow rays of a render get their numbers.
@@ -54,8 +57,9 @@ impl ShadowRays {
 
     /// The numbers of shadow ray `ray` of sample `id` to `light` (0 where lights are chosen).
     pub fn light_numbers(&self, id: SampleId, light: u32, ray: u32) -> LightNumbers {
+        let part = part_of_sample(id, ray, self.grid.rays);
+        let tree = independent_counter(part, GROUP_LIGHT_TREE);
         if self.pattern == ShadowPattern::Random {
-            let part = part_of_sample(id, ray, self.grid.rays);
             let group = if self.own {
                 GROUP_LIGHT_POINTS.wrapping_add(light)
             } else {
@@ -66,6 +70,7 @@ impl ShadowRays {
                 choice,
                 texel: self.part_numbers.group(part, GROUP_DIRECTION)[2],
                 point: to_unit_2d(x, y),
+                tree,
             };
         }
         let ahead = self.grid.steps.map(|step| ray.wrapping_mul(step));
@@ -75,6 +80,7 @@ impl ShadowRays {
             choice: choice.wrapping_add(ahead[0]),
             texel: texel.wrapping_add(ahead[1]),
             point: self.shadow_point(id, light, ray),
+            tree,
         }
     }
 

@@ -10,13 +10,14 @@ use super::sphere::{
     cone_height, distance_within_sphere, pdf_sphere_area, sample_cone, sample_sphere_area,
     within_sphere,
 };
+use super::tree::pdf_tree_light;
 use super::triangle::{
     pdf_triangle_area, pdf_uniform_solid_angle, sample_triangle_area, sample_triangle_solid_angle,
     spherical_triangle,
 };
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
-use crate::emitters::Emitter;
+use crate::emitters::{Emitter, Selection};
 use crate::reference::bsdf::lambert::{pdf_lambert, sample_lambert};
 use crate::reference::core::frame::{ShadingFrame, to_local, to_world};
 use crate::reference::core::math::max_abs;
@@ -346,11 +347,23 @@ pub fn sample_area_light(
     }
 }
 
-/// Probability that light selection chooses `light`, and the density of a uniform point on it.
-pub fn pdf_light_area(world: &World<'_>, light: u32) -> (PdfDiscrete, PdfArea) {
+/// Probability that light selection chooses `light`, which can be hit, for a surface at `x` with the normal `normal`.
+pub fn pdf_light(world: &World<'_>, light: u32, x: DVec3, normal: DVec3) -> PdfDiscrete {
+    let emitters = &world.prepared.emitters;
+    match &emitters.selection {
+        Some(Selection::Tree(tree)) => pdf_tree_light(tree, tree.trails[light as usize], x, normal),
+        _ => PdfDiscrete(emitters.probability(light as usize)),
+    }
+}
+
+/// That probability for a surface with the frame `frame`, and the density of a uniform point on the light.
+pub fn pdf_light_area(
+    world: &World<'_>,
+    light: u32,
+    (x, frame): (DVec3, &ShadingFrame),
+) -> (PdfDiscrete, PdfArea) {
     let area = area_light(world, light).geometry.area();
-    let selection = world.prepared.emitters.probability(light as usize);
-    (PdfDiscrete(selection), PdfArea(1.0 / area))
+    (pdf_light(world, light, x, frame.z), PdfArea(1.0 / area))
 }
 
 /// Density with which light sampling from `x`, on a surface with the frame `frame`, would have chosen the direction `wi`
@@ -363,7 +376,7 @@ pub fn pdf_area_light(
     distance_squared: f64,
     cos_light: f64,
 ) -> PdfSolidAngle {
-    let (selection, on_light) = pdf_light_area(world, light);
+    let (selection, on_light) = pdf_light_area(world, light, (x, frame));
     let light = area_light(world, light);
     if let Some(polygon) = projected(&light, x, frame) {
         return chosen(

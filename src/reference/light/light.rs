@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 /// Length beyond everything in the normalised scene.
 const FAR: f64 = 4.0;
 
-/// The light that the random word `u` selects; `None` where nothing is selected.
+/// The light that the random word `u` selects by a table; `None` where there is none.
 pub fn choose_light(world: &World<'_>, u: u32) -> Option<Choice> {
     let selection = world.prepared.emitters.selection.as_ref()?;
     Some(alias_choice(u, selection.table()?))

@@ -13,4 +13,5 @@ pub mod polygon;
 pub mod rectangle;
 pub mod sphere;
 pub mod spot;
+pub mod tree;
 pub mod triangle;

@@ -159,7 +159,7 @@ fn texels(
             let floats = image.into_rgba32f();
             let texel = |p: [f32; 4]| {
                 bad += usize::from(p.iter().any(|c| !(0.0..=MAX_HALF).contains(c)));
-                p.map(|c| f16::from_f32(c.max(0.0).min(MAX_HALF)))
+                p.map(|c| f16::from_f32(if c > 0.0 { c.min(MAX_HALF) } else { 0.0 }))
             };
             let halves = floats.pixels().map(|p| p.0).map(texel).collect();
             if bad > 0 {

@@ -14,4 +14,5 @@ mod rectangle;
 mod seen;
 mod sphere;
 mod spot;
+mod tree;
 mod triangle;

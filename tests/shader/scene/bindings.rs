@@ -44,10 +44,10 @@ fn buffers_have_the_hosts_lengths_and_words() {
     let prepared = prepared(every_kind(environment_map(Interpolation::Nearest)));
     let lengths = Function {
         imports: "import package::scene::bindings::{
-                      environment_alias, environment_texels, light_alias, lights, materials, nodes, primitives};",
+                      environment_alias, environment_texels, light_choice, lights, materials, nodes, primitives};",
         body: "out_u32(0u, arrayLength(&nodes)); out_u32(1u, arrayLength(&primitives));
                out_u32(2u, arrayLength(&materials)); out_u32(3u, arrayLength(&lights));
-               out_u32(4u, arrayLength(&light_alias)); out_u32(5u, arrayLength(&environment_alias));
+               out_u32(4u, arrayLength(&light_choice)); out_u32(5u, arrayLength(&environment_alias));
                out_u32(6u, textureDimensions(environment_texels).x);
                out_u32(7u, textureDimensions(environment_texels).y);",
         outputs: 8,
@@ -94,7 +94,7 @@ fn buffers_have_the_hosts_lengths_and_words() {
             .collect()
     };
     word("nodes", node_words);
-    word("light_alias", &alias(selection));
+    word("light_choice", &alias(selection));
     word(
         "environment_alias",
         &alias(&prepared.emitters.environment.as_ref().unwrap().table),
