@@ -72,8 +72,15 @@ effects! {
     OneSided "ONE_SIDED" "one-sided-surfaces" Simulation
         |r| r.material(|m| (!m.double_sided).then(|| "double_sided = false".to_owned()));
     /// A microfacet lobe.
-    Glossy "GLOSSY" "glossy" Simulation
-        |r| r.material(|m| m.bsdf.parameters().specular.map(|lobe| format!("GGX with α = {:.4}", lobe.alpha)));
+    Glossy "GLOSSY" "glossy" Simulation |r| r.material(rules::microfacets);
+    /// Mirrors and glass, in which camera rays go on.
+    Specular "SPECULAR" "specular" Simulation |r| r.material(rules::goes_on);
+    /// Surfaces that light passes through.
+    Refraction "REFRACTION" "refraction" Simulation |r| r.material(rules::passes_through);
+    /// Fresnel's equations for dielectrics.
+    ExactDielectric "EXACT_DIELECTRIC" "dielectric-fresnel" Simulation |r| r.material(rules::dielectric);
+    /// Fresnel's equations for conductors.
+    ExactConductor "EXACT_CONDUCTOR" "conductor-fresnel" Simulation |r| r.material(rules::conductor);
     /// Surfaces that emit.
     AreaLights "AREA_LIGHTS" "area-lights" Simulation |r| r.emitting_shape(|_, _| true);
     /// Triangles, rectangles or disks that emit and are sampled.

@@ -21,7 +21,7 @@ pub const TOLERANCE: f64 = 1e-3;
 /// rounding without a bound.
 pub const MAX_BEYOND: f64 = 1e-3;
 /// Largest fraction of samples whose rays may meet something else on the GPU: those that pass an edge within rounding.
-/// A sample of several shadow rays counts as so many.
+/// A sample of several shadow rays, or of several camera rays, counts as so many.
 pub const MAX_FLIPS: f64 = 1e-4;
 /// Differences relative to the sample alone below this are counted, not kept.
 const SUSPECT: f64 = 1e-5;
@@ -95,7 +95,7 @@ pub struct PerSample {
     pub samples: u64,
     /// Rays that met something else.
     pub flips: Flips,
-    /// They over the samples, those of several shadow rays counted so many times.
+    /// They over the samples, those of several shadow or camera rays counted so many times.
     pub flip_rate: f64,
     /// The samples none of whose rays did and that are not black on both sides.
     pub lit: u64,
@@ -152,7 +152,7 @@ impl Suspect {
 pub struct Accumulator {
     film: FilmSize,
     samples: u64,
-    /// Shadow rays of all samples beyond the first of each.
+    /// Shadow rays of all samples beyond the first of each, and camera rays.
     further_rays: u64,
     histogram: [u64; DECADES + 2],
     lit: u64,
@@ -178,7 +178,8 @@ impl Accumulator {
     pub fn add(&mut self, index: u64, gpu: &[SampleRecord], twin: &[Sample]) {
         for (pixel, (record, sample)) in gpu.iter().zip(twin).enumerate() {
             self.samples += 1;
-            self.further_rays += u64::from(sample.path.shadow.traced.saturating_sub(1));
+            let rays = sample.path.shadow.traced.saturating_sub(1) + sample.path.further_rays;
+            self.further_rays += u64::from(rays);
             let suspect = Suspect {
                 pixel: pixel as u32,
                 index,

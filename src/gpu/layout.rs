@@ -58,8 +58,10 @@ pub struct Frame {
     pub shadow_columns: u32,
     /// What a ray's words for light and environment texel are ahead of the ray's before.
     pub shadow_steps: [u32; 2],
+    /// Most specular surfaces that a camera ray goes on from.
+    pub max_specular_depth: u32,
     /// Unused.
-    pub padding: [u32; 2],
+    pub padding: u32,
 }
 
 /// `Dispatch` of `shaders/types.wesl`: what changes from dispatch to dispatch.
@@ -116,7 +118,7 @@ pub struct SampleRecord {
     pub shadow: u32,
     /// The part of the radiance that light sampling found.
     pub by_light: [f32; 3],
-    /// Primitive that the camera ray met, or [`NONE`].
+    /// Primitive that the camera ray met, or [`NONE`]; where it went on, a hash of all that it met.
     pub camera_primitive: u32,
     /// The part that BSDF sampling found.
     pub by_bsdf: [f32; 3],
@@ -187,6 +189,18 @@ shared! {
     "scene::fetch" KIND_SPHERE = 3;
     /// Set in a primitive's head where its back does not exist.
     "scene::fetch" ONE_SIDED_BIT = 4;
+    /// Words of a material.
+    "scene::fetch" MATERIAL_WORDS = 5;
+    /// Schlick's Fresnel term.
+    "scene::fetch" FRESNEL_SCHLICK = 0;
+    /// The same reflectance at every angle.
+    "scene::fetch" FRESNEL_CONSTANT = 1;
+    /// Fresnel's equations for a dielectric.
+    "scene::fetch" FRESNEL_DIELECTRIC = 2;
+    /// Fresnel's equations for a conductor.
+    "scene::fetch" FRESNEL_CONDUCTOR = 3;
+    /// Set in a material's bits where light passes straight through.
+    "scene::fetch" THIN_BIT = 4;
     /// A triangle that emits.
     "scene::fetch" LIGHT_TRIANGLE = 0;
     /// A rectangle that emits.

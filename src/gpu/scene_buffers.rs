@@ -4,15 +4,17 @@ use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::environment::EnvironmentBuffers;
 use super::layout::{
-    Frame, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
-    LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
-    NONE, ONE_SIDED_BIT, SKEWED_BIT, TILE, TWO_SIDED_BIT,
+    FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK, Frame, KIND_DISK,
+    KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT,
+    LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, MATERIAL_WORDS, NONE,
+    ONE_SIDED_BIT, SKEWED_BIT, THIN_BIT, TILE, TWO_SIDED_BIT,
 };
 use crate::accel::{Node, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Selection};
 use crate::error::GpuError;
 use crate::render::Prepared;
 use crate::scene::alias_table::AliasTable;
+use crate::scene::material::{BsdfParameters, Fresnel};
 use crate::scene::{EnvironmentRadiance, FilmSize, Light, Scene};
 use glam::DVec3;
 
@@ -26,7 +28,7 @@ pub struct SceneBuffers {
     pub nodes: GpuBuffer<Node>,
     /// Three words per primitive.
     pub primitives: GpuBuffer<Word>,
-    /// Two words per material.
+    /// [`MATERIAL_WORDS`] words per material.
     pub materials: GpuBuffer<Word>,
     /// Four words per light.
     pub lights: GpuBuffer<Word>,
@@ -139,12 +141,38 @@ fn one_primitive(scene: &Scene, p: &Primitive, light: u32) -> [Word; 3] {
 }
 
 fn material_words(scene: &Scene) -> Vec<Word> {
-    let words = scene.materials.iter().flat_map(|m| {
-        let p = m.bsdf.parameters();
-        let (f0, alpha) = p.specular.map_or((DVec3::ZERO, 0.0), |s| (s.f0, s.alpha));
-        [word(p.diffuse, bits(alpha)), word(f0, 0)]
-    });
-    words.collect()
+    let words = scene.materials.iter();
+    words
+        .flat_map(|m| one_material(&m.bsdf.parameters()))
+        .collect()
+}
+
+fn one_material(p: &BsdfParameters) -> [Word; MATERIAL_WORDS as usize] {
+    let none = Fresnel::Schlick {
+        f0: DVec3::ZERO,
+        f90: 0.0,
+    };
+    let fresnel = p.specular.map_or(none, |s| s.fresnel);
+    let (kind, f0, f90, k) = match fresnel {
+        Fresnel::Constant(reflectance) => (FRESNEL_CONSTANT, reflectance, 0.0, DVec3::ZERO),
+        Fresnel::Schlick { f0, f90 } => (FRESNEL_SCHLICK, f0, f90, DVec3::ZERO),
+        Fresnel::Dielectric { .. } => (FRESNEL_DIELECTRIC, DVec3::ZERO, 0.0, DVec3::ZERO),
+        Fresnel::Conductor { eta, k } => (FRESNEL_CONDUCTOR, eta, 0.0, k),
+    };
+    let ior = match (p.transmission, fresnel) {
+        (Some(t), _) => t.ior,
+        (None, Fresnel::Dielectric { ior }) => ior,
+        (None, _) => 1.0,
+    };
+    let thin = p.transmission.is_some_and(|t| t.thin);
+    let transmittance = p.transmission.map_or(DVec3::ZERO, |t| t.transmittance);
+    [
+        word(p.diffuse, bits(p.specular.map_or(0.0, |s| s.alpha))),
+        word(f0, bits(f90)),
+        word(k, kind | if thin { THIN_BIT } else { 0 }),
+        word(transmittance, bits(ior)),
+        word(p.specular.map_or(DVec3::ZERO, |s| s.average), 0),
+    ]
 }
 
 fn light_words(prepared: &Prepared) -> Vec<Word> {
@@ -284,6 +312,7 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
         shadow_rays: shadow_grid.rays,
         shadow_columns: shadow_grid.columns,
         shadow_steps: shadow_grid.steps,
+        max_specular_depth: prepared.scene.render.max_specular_depth,
         ..Frame::default()
     };
     if let Some(environment) = &prepared.scene.environment {

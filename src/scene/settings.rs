@@ -136,6 +136,9 @@ impl Sampler {
 /// Samples per pixel of the largest pattern.
 const MAX_PATTERN: u64 = 1 << 16;
 
+/// Largest `max_specular_depth`.
+pub const MAX_SPECULAR_DEPTH: u32 = 64;
+
 /// How to render.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -155,6 +158,10 @@ pub struct RenderSettings {
     pub shadow_rays: u32,
     /// Where on the lights the points of a camera ray's shadow rays lie.
     pub shadow_pattern: ShadowPattern,
+    /// Mirrors and panes of glass, one behind the other, in which direct lighting is seen, 0 to 64: what lies deeper is
+    /// black. A closed body of glass is two of them, and each reflection in its inside one more.
+    #[schemars(range(min = 0, max = 64))]
+    pub max_specular_depth: u32,
     /// How random numbers are made.
     pub sampler: Sampler,
     /// Samples per pixel, at least 1.
@@ -178,6 +185,7 @@ impl Default for RenderSettings {
             mis_compensation: false,
             shadow_rays: 1,
             shadow_pattern: ShadowPattern::default(),
+            max_specular_depth: 8,
             sampler: Sampler::default(),
             spp: 64,
             time: None,

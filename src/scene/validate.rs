@@ -2,11 +2,14 @@
 //!
 //! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind may rely on it.
 
+mod materials;
+
 use super::range;
+use super::settings::MAX_SPECULAR_DEPTH;
 use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
-    Bsdf, Camera, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize,
-    Geometry, Light, LightSelection, Material, Mesh, Scene, Shape,
+    Camera, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize,
+    Geometry, Light, LightSelection, Mesh, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
@@ -23,7 +26,7 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
     check.film(scene.film)?;
     check.camera(&scene.camera)?;
     for material in &scene.materials {
-        check.material(material)?;
+        materials::check(&scene.source, material)?;
     }
     for shape in &scene.shapes {
         check.shape(shape, scene.materials.len())?;
@@ -100,41 +103,6 @@ impl Check<'_> {
             || "its frame is not orthonormal and finite".to_owned(),
             "right × up = −forward, as Camera::look_at makes it",
         )
-    }
-
-    fn material(&self, material: &Material) -> Outcome {
-        let field = |key: &str| format!("materials.{}.{key}", material.name);
-        let unit = |value: DVec3, key: &str| {
-            let holds = value.cmpge(DVec3::ZERO).all() && value.cmple(DVec3::ONE).all();
-            let problem = || format!("is {value}");
-            self.require(holds, || field(key), problem, "each channel from 0 to 1")
-        };
-        let number = |value: f64, key: &str| {
-            let problem = || format!("is {value}");
-            let holds = (0.0..=1.0).contains(&value);
-            self.require(holds, || field(key), problem, "a number from 0 to 1")
-        };
-        match material.bsdf {
-            Bsdf::Lambert { reflectance } => unit(reflectance, "reflectance"),
-            Bsdf::Conductor { reflectance, alpha } => {
-                unit(reflectance, "reflectance")?;
-                self.require(
-                    alpha > 0.0 && alpha <= 1.0,
-                    || field("alpha"),
-                    || format!("is {alpha}"),
-                    "a number above 0 and up to 1",
-                )
-            }
-            Bsdf::MetallicRoughness {
-                base_color,
-                metallic,
-                roughness,
-            } => {
-                unit(base_color, "base_color")?;
-                number(metallic, "metallic")?;
-                number(roughness, "roughness")
-            }
-        }
     }
 
     fn shape(&self, shape: &Shape, materials: usize) -> Outcome {
@@ -330,6 +298,13 @@ impl Check<'_> {
             || "render.shadow_rays".to_owned(),
             || format!("is {rays}"),
             "1 to 1024",
+        )?;
+        let depth = render.max_specular_depth;
+        self.require(
+            depth <= MAX_SPECULAR_DEPTH,
+            || "render.max_specular_depth".to_owned(),
+            || format!("is {depth}"),
+            "0 to 64",
         )?;
         let samples = match render.light_selection {
             LightSelection::All => scene.samples_of_all_lights(),

@@ -3,6 +3,7 @@
 use super::files::{Folder, glb, load_gltf, triangle_glb, triangle_gltf, with};
 use crate::support::shared;
 use direkt::scene::load::{LoadOptions, load};
+use direkt::scene::material::DielectricLayer;
 use direkt::scene::{Bsdf, Geometry, Light, Mesh, Scene};
 use glam::DVec3;
 use serde_json::json;
@@ -93,7 +94,8 @@ fn materials_emission_and_sides() {
         Bsdf::MetallicRoughness {
             base_color: DVec3::new(0.5, 0.25, 1.0),
             metallic: 0.0,
-            roughness: 0.75
+            roughness: 0.75,
+            layer: DielectricLayer::default(),
         }
     );
     assert!(material.double_sided);
@@ -113,7 +115,8 @@ fn materials_emission_and_sides() {
         Bsdf::MetallicRoughness {
             base_color: DVec3::ONE,
             metallic: 1.0,
-            roughness: 1.0
+            roughness: 1.0,
+            layer: DielectricLayer::default(),
         }
     );
 }

@@ -2,6 +2,7 @@
 
 use super::{emitter, floor_pixel, lambert, point_light, shape};
 use direkt::scene::light::Interpolation;
+use direkt::scene::material::DielectricLayer;
 use direkt::scene::{
     Bsdf, Emission, Environment, EnvironmentMap, EnvironmentRadiance, Geometry, Light, Material,
     MaterialId, Mesh, Scene, Shape,
@@ -28,6 +29,7 @@ pub fn every_kind(environment: Environment) -> Scene {
                 base_color: DVec3::new(0.1, 0.3, 0.6),
                 metallic: 0.25,
                 roughness: 0.4,
+                layer: DielectricLayer::default(),
             },
             double_sided: true,
         },

@@ -5,5 +5,7 @@
 )]
 
 pub mod bsdf;
+pub mod fresnel;
 pub mod ggx;
 pub mod lambert;
+pub mod specular;

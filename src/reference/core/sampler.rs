@@ -16,6 +16,9 @@ pub const GROUP_DIRECTION: u32 = 2;
 /// y; –, –. That of the next follows.
 pub const GROUP_LIGHT_POINTS: u32 = 16;
 
+/// Group of the choice at a camera ray's first specular surface: way; –, –, –. That of the next follows.
+pub const GROUP_SPECULAR: u32 = 1 << 30;
+
 /// Names one sample of one pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SampleId {

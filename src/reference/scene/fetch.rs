@@ -33,6 +33,8 @@ pub struct World<'a> {
 impl<'a> World<'a> {
     /// The scene of `prepared`.
     pub fn new(prepared: &'a Prepared) -> Self {
+        let materials = prepared.scene.materials.iter();
+        let parameters: Vec<_> = materials.map(|m| m.bsdf.parameters()).collect();
         let mut primitives: Vec<Primitive> = prepared
             .primitives
             .iter()
@@ -40,7 +42,7 @@ impl<'a> World<'a> {
                 let material = &prepared.scene.materials[p.material.index()];
                 Primitive {
                     geometry: p.geometry,
-                    material: material.bsdf.parameters(),
+                    material: parameters[p.material.index()],
                     one_sided: !material.double_sided,
                     light: None,
                 }

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
+use super::format_materials::MaterialTable;
 use super::format_shapes::{ShapeTable, TransformStep, one};
 
 /// A direkt scene: camera, film, materials, shapes, lights, environment and settings.
@@ -96,65 +97,6 @@ enum RgbSpelling {
 #[derive(Debug, Clone, Copy, PartialEq, JsonSchema)]
 #[schemars(transparent)]
 pub(super) struct Rgb(#[schemars(with = "RgbSpelling")] pub(super) [f64; 3]);
-
-/// A material.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MaterialTable {
-    /// How it scatters.
-    #[schemars(flatten)]
-    pub(super) kind: MaterialKind,
-    /// Whether the back of the surface scatters like its front; with false it does not exist and rays pass through.
-    #[serde(default = "yes")]
-    pub(super) double_sided: bool,
-}
-
-fn yes() -> bool {
-    true
-}
-
-/// How a material scatters.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-#[schemars(tag = "type")]
-pub(super) enum MaterialKind {
-    /// Ideal diffuse reflection.
-    Lambert(LambertTable),
-    /// A rough conductor: GGX microfacets with Schlick's Fresnel.
-    Conductor(ConductorTable),
-    /// glTF 2.0's metallic-roughness model.
-    MetallicRoughness(MetallicRoughnessTable),
-}
-
-/// Ideal diffuse reflection.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LambertTable {
-    /// Albedo, each channel from 0 to 1.
-    pub(super) reflectance: Rgb,
-}
-
-/// A rough conductor.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ConductorTable {
-    /// Reflectance at normal incidence (F0), each channel from 0 to 1.
-    pub(super) reflectance: Rgb,
-    /// GGX width, above 0 and up to 1.
-    pub(super) alpha: f64,
-}
-
-/// glTF 2.0's metallic-roughness model.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MetallicRoughnessTable {
-    /// Base colour, each channel from 0 to 1.
-    pub(super) base_color: Rgb,
-    /// 0 (dielectric) to 1 (metal).
-    pub(super) metallic: f64,
-    /// Perceptual roughness, 0 to 1; the GGX width is its square.
-    pub(super) roughness: f64,
-}
 
 /// A glTF file to include.
 #[derive(Debug, Deserialize, JsonSchema)]
