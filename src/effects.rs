@@ -81,6 +81,8 @@ effects! {
     ExactDielectric "EXACT_DIELECTRIC" "dielectric-fresnel" Simulation |r| r.material(rules::dielectric);
     /// Fresnel's equations for conductors.
     ExactConductor "EXACT_CONDUCTOR" "conductor-fresnel" Simulation |r| r.material(rules::conductor);
+    /// Light that meets several facets of a rough metal.
+    EnergyCompensation "ENERGY_COMPENSATION" "energy-compensation" Simulation |r| r.energy_compensation();
     /// Surfaces that emit.
     AreaLights "AREA_LIGHTS" "area-lights" Simulation |r| r.emitting_shape(|_, _| true);
     /// Triangles, rectangles or disks that emit and are sampled.

@@ -53,6 +53,14 @@ pub(super) fn conductor(material: &Material) -> Option<String> {
     }
 }
 
+/// The width of a lobe that loses energy by leaving out what meets several facets; a coat's is not compensated.
+fn rough_metal(material: &Material) -> Option<String> {
+    let lobe = material.bsdf.parameters().specular?;
+    let coat = matches!(lobe.fresnel, Fresnel::Dielectric { .. });
+    (lobe.alpha > 0.0 && !coat)
+        .then(|| format!("energy_compensation = true, GGX with α = {:.4}", lobe.alpha))
+}
+
 /// A scene, and the effects that it was found to call for so far.
 pub(super) struct Rules<'a> {
     pub(super) scene: &'a Scene,
@@ -88,6 +96,11 @@ impl Rules<'_> {
             let material = &self.scene.materials[index];
             why(material).map(|why| format!("materials.{}: {why}", material.name))
         })
+    }
+
+    pub(super) fn energy_compensation(&self) -> Option<String> {
+        let wanted = self.scene.render.energy_compensation;
+        wanted.then(|| self.material(rough_metal)).flatten()
     }
 
     /// The first shape that emits and for which `wanted` holds; the second argument tells whether light sampling chooses

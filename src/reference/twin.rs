@@ -22,6 +22,7 @@ pub const SUPPORTED: &[Effect] = &[
     Effect::Refraction,
     Effect::ExactDielectric,
     Effect::ExactConductor,
+    Effect::EnergyCompensation,
     Effect::AreaLights,
     Effect::PlanarLights,
     Effect::TriangleLights,

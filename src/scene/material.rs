@@ -127,6 +127,10 @@ pub struct SpecularLobe {
     pub alpha: f64,
     /// F̄ = 2∫F(μ)μ dμ, μ the cosine: what it reflects of light from everywhere, were it smooth.
     pub average: DVec3,
+    /// Whether light that meets several facets counts; see [`RenderSettings::energy_compensation`].
+    ///
+    /// [`RenderSettings::energy_compensation`]: super::RenderSettings::energy_compensation
+    pub compensated: bool,
 }
 
 /// Reflectance of a smooth surface.
@@ -185,6 +189,7 @@ impl SpecularLobe {
             fresnel,
             alpha: if smooth { 0.0 } else { alpha },
             average,
+            compensated: false,
         }
     }
 }

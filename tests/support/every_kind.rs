@@ -33,6 +33,31 @@ pub fn every_kind(environment: Environment) -> Scene {
             },
             double_sided: true,
         },
+        Material {
+            name: "gold".to_owned(),
+            bsdf: Bsdf::Metal {
+                eta: DVec3::new(0.221, 0.428, 1.334),
+                k: DVec3::new(3.216, 2.462, 1.871),
+                alpha: 0.3,
+            },
+            double_sided: true,
+        },
+        Material {
+            name: "mirror".to_owned(),
+            bsdf: Bsdf::Mirror {
+                reflectance: DVec3::new(0.9, 0.8, 0.7),
+            },
+            double_sided: true,
+        },
+        Material {
+            name: "pane".to_owned(),
+            bsdf: Bsdf::Dielectric {
+                ior: 1.5,
+                transmittance: DVec3::new(0.9, 0.5, 0.7),
+                thin: true,
+            },
+            double_sided: true,
+        },
     ];
     let geometries = |shift: DVec3| {
         [

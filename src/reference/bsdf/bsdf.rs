@@ -1,6 +1,7 @@
 //! The BSDF of a material: a Lambert lobe under a GGX lobe, in the local frame.
 //! f_r = (1 − F) diffuse/π + F·D·G2 / (4 cosθ_i cosθ_o).
 
+use super::compensation::{compensation_albedo, eval_compensation};
 use super::fresnel::fresnel;
 use super::ggx::{eval_ggx, pdf_ggx, sample_ggx_visible_normal};
 use super::lambert::{eval_lambert, pdf_lambert, sample_lambert, sample_uniform_hemisphere};
@@ -35,7 +36,7 @@ pub struct BsdfSample {
 pub fn specular_share(diffuse: DVec3, lobe: &SpecularLobe, cos_o: f64) -> f64 {
     let f = fresnel(&lobe.fresnel, cos_o);
     let s = luminance(f);
-    let d = luminance((DVec3::ONE - f) * diffuse);
+    let d = luminance((DVec3::ONE - f) * diffuse + compensation_albedo(lobe, cos_o));
     s / (s + d).max(1e-20)
 }
 
@@ -75,6 +76,7 @@ pub fn eval_bsdf(m: &BsdfParameters, wi: DVec3, wo: DVec3) -> BsdfValue {
             pdf: pdf_diffuse,
         };
     }
+    let base = base + eval_compensation(lobe, wi.z, wo.z);
     let f = fresnel(&lobe.fresnel, 0.5 * (wi + wo).length());
     let share = specular_share(m.diffuse, lobe, wo.z);
     let pdf_specular = pdf_ggx(wo, h, lobe.alpha);

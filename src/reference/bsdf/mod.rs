@@ -5,6 +5,7 @@
 )]
 
 pub mod bsdf;
+pub mod compensation;
 pub mod fresnel;
 pub mod ggx;
 pub mod lambert;

@@ -8,6 +8,7 @@ use super::occlusion::visible_pieces;
 use super::point::{directional_irradiance, point_irradiance};
 use super::polygon::polygon_factor;
 use crate::accel::PrimitiveGeometry;
+use crate::effects::Effect;
 use crate::emitters::Emitter;
 use crate::reference::core::frame::{ShadingFrame, to_local};
 use crate::reference::core::ray::Ray;
@@ -43,6 +44,9 @@ pub enum NotExact {
         "materials.{0} is a mirror or transparent; exact answers are known where camera rays end on the first surface"
     )]
     Specular(String),
+    /// Light that meets several facets.
+    #[error("energy_compensation = true; exact answers are known for light that meets one facet")]
+    Compensated,
     /// A lobe that is not integrated here.
     #[error(
         "materials.{0} has a GGX lobe with Fresnel's equations; exact answers are known for Schlick's"
@@ -74,6 +78,9 @@ impl<'a> ExactScene<'a> {
             .contains(&Emitter::Environment)
         {
             return Err(NotExact::Environment);
+        }
+        if world.prepared.effects.contains(Effect::EnergyCompensation) {
+            return Err(NotExact::Compensated);
         }
         for material in &world.prepared.scene.materials {
             let parameters = material.bsdf.parameters();

@@ -1,6 +1,7 @@
 //! What a ray can meet and a light sample can choose.
 
 use crate::accel::PrimitiveGeometry;
+use crate::effects::Effect;
 use crate::emitters::Emitter;
 use crate::reference::core::bvh::Bvh;
 use crate::render::Prepared;
@@ -34,7 +35,15 @@ impl<'a> World<'a> {
     /// The scene of `prepared`.
     pub fn new(prepared: &'a Prepared) -> Self {
         let materials = prepared.scene.materials.iter();
-        let parameters: Vec<_> = materials.map(|m| m.bsdf.parameters()).collect();
+        let compensated = prepared.effects.contains(Effect::EnergyCompensation);
+        let parameters = materials.map(|m| {
+            let mut parameters = m.bsdf.parameters();
+            if let Some(lobe) = &mut parameters.specular {
+                lobe.compensated = compensated;
+            }
+            parameters
+        });
+        let parameters: Vec<_> = parameters.collect();
         let mut primitives: Vec<Primitive> = prepared
             .primitives
             .iter()
