@@ -72,8 +72,17 @@ effects! {
     OneSided "ONE_SIDED" "one-sided-surfaces" Simulation
         |r| r.material(|m| (!m.double_sided).then(|| "double_sided = false".to_owned()));
     /// A microfacet lobe.
-    Glossy "GLOSSY" "glossy" Simulation
-        |r| r.material(|m| m.bsdf.parameters().specular.map(|lobe| format!("GGX with α = {:.4}", lobe.alpha)));
+    Glossy "GLOSSY" "glossy" Simulation |r| r.material(rules::microfacets);
+    /// Mirrors and glass, in which camera rays go on.
+    Specular "SPECULAR" "specular" Simulation |r| r.material(rules::goes_on);
+    /// Surfaces that light passes through.
+    Refraction "REFRACTION" "refraction" Simulation |r| r.material(rules::passes_through);
+    /// Fresnel's equations for dielectrics.
+    ExactDielectric "EXACT_DIELECTRIC" "dielectric-fresnel" Simulation |r| r.material(rules::dielectric);
+    /// Fresnel's equations for conductors.
+    ExactConductor "EXACT_CONDUCTOR" "conductor-fresnel" Simulation |r| r.material(rules::conductor);
+    /// Light that meets several facets of a rough metal.
+    EnergyCompensation "ENERGY_COMPENSATION" "energy-compensation" Simulation |r| r.energy_compensation();
     /// Vertex normals between which shading normals are interpolated.
     SmoothNormals "SMOOTH_NORMALS" "smooth-normals" Simulation |r| r.attributed(|a| a.normals);
     /// Textures of reflectance or base colour.

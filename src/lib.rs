@@ -68,10 +68,12 @@
 //!   `shaders/light/`, its case in `shaders/light/light.wesl`, its effect, and a scene in `scenes/tests/` with an exact
 //!   value.
 //! - **a BSDF**: a variant of [`scene::Bsdf`]; if it is not a case of the existing lobes, its `sample_`, `pdf_` and
-//!   `eval_` in `shaders/bsdf/` and its place in `shaders/bsdf/bsdf.wesl`.
+//!   `eval_` in `shaders/bsdf/` and its place in `shaders/bsdf/bsdf.wesl`, or in `shaders/bsdf/specular.wesl` where camera
+//!   rays go on in it.
 //!
 //! # What is awkward today
 //!
+//! - Glass passes no shadow rays, so that its shadows are black; transmission is smooth, and bodies do not absorb.
 //! - Alpha and emissive textures are read past, with a warning each.
 //! - The BVH's boxes lie on one 16-bit grid over the scene: where detail is finer than 1/65,535 of the scene's size,
 //!   boxes are looser than they need be.

@@ -95,6 +95,7 @@ fn structs_have_the_same_members() {
         shadow_rays,
         shadow_columns,
         shadow_steps,
+        max_specular_depth,
         padding,
         light_grid_origin,
         tree_nodes,

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::scene::load::{LoadOptions, load};
+use crate::scene::settings::MAX_SPECULAR_DEPTH;
 use crate::scene::shadow_rays::MAX_SHADOW_RAYS;
 use crate::scene::{
     FilmSize, LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy, validate,
@@ -119,6 +120,12 @@ pub struct EstimatorArguments {
     /// Where on the lights the points of a camera ray's shadow rays lie
     #[arg(long, value_enum)]
     shadow_pattern: Option<ShadowPattern>,
+    /// Whether light counts that rough metals reflect after it has met several of their facets
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    energy_compensation: Option<bool>,
+    /// Mirrors and panes of glass, one behind the other, in which direct lighting is seen, 0 to 64
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_SPECULAR_DEPTH)))]
+    max_specular_depth: Option<u32>,
     /// How random numbers are made
     #[arg(long, value_enum)]
     sampler: Option<Sampler>,
@@ -134,6 +141,10 @@ impl EstimatorArguments {
         render.mis_compensation = self.mis_compensation.unwrap_or(render.mis_compensation);
         render.shadow_rays = self.shadow_rays.unwrap_or(render.shadow_rays);
         render.shadow_pattern = self.shadow_pattern.unwrap_or(render.shadow_pattern);
+        render.energy_compensation = self
+            .energy_compensation
+            .unwrap_or(render.energy_compensation);
+        render.max_specular_depth = self.max_specular_depth.unwrap_or(render.max_specular_depth);
         render.sampler = self.sampler.unwrap_or(render.sampler);
         self.image.apply(scene)
     }

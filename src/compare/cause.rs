@@ -40,7 +40,7 @@ pub(super) fn cause(sample: &Sample, difference: f64, flip: bool) -> String {
 
 fn mechanisms(sample: &Sample) -> Vec<Mechanism> {
     let c = &sample.conditions;
-    let angle = ROUNDING + c.normal_rounding;
+    let angle = (ROUNDING + c.normal_rounding) * c.spread;
     let mut found = Vec::new();
     let mut add = |at_light: f64, at_surface: f64, curvature: f64| {
         found.push(Mechanism {
@@ -74,6 +74,15 @@ fn mechanisms(sample: &Sample) -> Vec<Mechanism> {
             sentence: format!(
                 "the light tree chooses another light within rounding (a random word is {:.1e} of its range away)",
                 c.choice_margin
+            ),
+        });
+    }
+    if c.spread > 1.0 {
+        found.push(Mechanism {
+            predicted: angle,
+            sentence: format!(
+                "curved mirrors and glass spread the rounding of directions {:.0} times",
+                c.spread
             ),
         });
     }

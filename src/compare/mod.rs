@@ -241,6 +241,7 @@ mod tests {
                     clear: 4,
                 },
                 bsdf: BsdfRay::Missed,
+                ..Path::default()
             },
             ..Sample::default()
         };

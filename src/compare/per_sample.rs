@@ -21,7 +21,7 @@ pub const TOLERANCE: f64 = 1e-3;
 /// narrow lobes and grazing angles amplify rounding without a bound, wherever it comes in.
 pub const MAX_BEYOND: f64 = 1e-3;
 /// Largest fraction of samples whose rays may meet something else on the GPU: those that pass an edge within rounding.
-/// A sample of several shadow rays counts as so many.
+/// A sample of several shadow rays, or of several camera rays, counts as so many.
 pub const MAX_FLIPS: f64 = 1e-4;
 /// Angle by which f32 turns a camera ray: four roundings of a direction, 2⁻²⁴ each.
 const RAY_ROUNDING: f64 = 4.0 / 16_777_216.0;
@@ -101,7 +101,7 @@ pub struct PerSample {
     pub samples: u64,
     /// Rays that met something else.
     pub flips: Flips,
-    /// They over the samples, those of several shadow rays counted so many times.
+    /// They over the samples, those of several shadow or camera rays counted so many times.
     pub flip_rate: f64,
     /// The samples none of whose rays did and that are not black on both sides.
     pub lit: u64,
@@ -161,7 +161,7 @@ impl Suspect {
 pub struct Accumulator {
     film: FilmSize,
     samples: u64,
-    /// Shadow rays of all samples beyond the first of each.
+    /// Shadow rays of all samples beyond the first of each, and camera rays.
     further_rays: u64,
     histogram: [u64; DECADES + 2],
     lit: u64,
@@ -187,7 +187,8 @@ impl Accumulator {
     pub fn add(&mut self, index: u64, gpu: &[SampleRecord], twin: &[Sample]) {
         for (pixel, (record, sample)) in gpu.iter().zip(twin).enumerate() {
             self.samples += 1;
-            self.further_rays += u64::from(sample.path.shadow.traced.saturating_sub(1));
+            let rays = sample.path.shadow.traced.saturating_sub(1) + sample.path.further_rays;
+            self.further_rays += u64::from(rays);
             let suspect = Suspect {
                 pixel: pixel as u32,
                 index,

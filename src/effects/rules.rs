@@ -4,10 +4,62 @@ use super::{Effect, Effects};
 use crate::accel::{Attributed, Attributes, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Emitters, Selection};
 use crate::scene::light::Interpolation;
+use crate::scene::material::Fresnel;
 use crate::scene::{
     EnvironmentMap, EnvironmentRadiance, LightSampling, Material, MaterialTextures, Sampler, Scene,
     ShadowPattern, Strategy, TextureUse,
 };
+
+/// The width of a material's microfacet lobe.
+pub(super) fn microfacets(material: &Material) -> Option<String> {
+    let lobe = material.bsdf.parameters().specular?;
+    (lobe.alpha > 0.0).then(|| format!("GGX with α = {:.4}", lobe.alpha))
+}
+
+/// Why camera rays go on from a material.
+pub(super) fn goes_on(material: &Material) -> Option<String> {
+    let parameters = material.bsdf.parameters();
+    let kind = if parameters.transmission.is_some() {
+        "transparent"
+    } else {
+        "a mirror"
+    };
+    parameters.is_specular().then(|| kind.to_owned())
+}
+
+/// What passes through a material.
+pub(super) fn passes_through(material: &Material) -> Option<String> {
+    let through = material.bsdf.parameters().transmission?;
+    Some(if through.thin {
+        "a pane without thickness".to_owned()
+    } else {
+        format!("index of refraction {}", through.ior)
+    })
+}
+
+/// The index of refraction in a material's Fresnel terms.
+pub(super) fn dielectric(material: &Material) -> Option<String> {
+    match material.bsdf.parameters().specular?.fresnel {
+        Fresnel::Dielectric { ior } => Some(format!("index of refraction {ior}")),
+        _ => None,
+    }
+}
+
+/// The complex index of refraction in a material's Fresnel terms.
+pub(super) fn conductor(material: &Material) -> Option<String> {
+    match material.bsdf.parameters().specular?.fresnel {
+        Fresnel::Conductor { eta, k } => Some(format!("index of refraction {eta} + i·{k}")),
+        _ => None,
+    }
+}
+
+/// The width of a lobe that loses energy by leaving out what meets several facets; a coat's is not compensated.
+fn rough_metal(material: &Material) -> Option<String> {
+    let lobe = material.bsdf.parameters().specular?;
+    let coat = matches!(lobe.fresnel, Fresnel::Dielectric { .. });
+    (lobe.alpha > 0.0 && !coat)
+        .then(|| format!("energy_compensation = true, GGX with α = {:.4}", lobe.alpha))
+}
 
 /// A scene, and the effects that it was found to call for so far.
 pub(super) struct Rules<'a> {
@@ -69,6 +121,11 @@ impl Rules<'_> {
                 material.name, texture.source, texture.width, texture.height
             ))
         })
+    }
+
+    pub(super) fn energy_compensation(&self) -> Option<String> {
+        let wanted = self.scene.render.energy_compensation;
+        wanted.then(|| self.material(rough_metal)).flatten()
     }
 
     /// The first shape that emits and for which `wanted` holds; the second argument tells whether light sampling chooses

@@ -58,8 +58,10 @@ pub struct Frame {
     pub shadow_columns: u32,
     /// What a ray's words for light and environment texel are ahead of the ray's before.
     pub shadow_steps: [u32; 2],
+    /// Most specular surfaces that a camera ray goes on from.
+    pub max_specular_depth: u32,
     /// Unused.
-    pub padding: [u32; 2],
+    pub padding: u32,
     /// Lower corner of the grid on which the light tree's spheres lie.
     pub light_grid_origin: [f32; 3],
     /// Nodes of the light tree.
@@ -124,7 +126,7 @@ pub struct SampleRecord {
     pub shadow: u32,
     /// The part of the radiance that light sampling found.
     pub by_light: [f32; 3],
-    /// Primitive that the camera ray met, or [`NONE`].
+    /// Primitive that the camera ray met, or [`NONE`]; where it went on, a hash of all that it met.
     pub camera_primitive: u32,
     /// The part that BSDF sampling found.
     pub by_bsdf: [f32; 3],
@@ -195,10 +197,24 @@ shared! {
     "scene::fetch" KIND_SPHERE = 3;
     /// Set in a primitive's head where its back does not exist.
     "scene::fetch" ONE_SIDED_BIT = 4;
+    /// Words of a material.
+    "scene::fetch" MATERIAL_WORDS = 5;
+    /// Schlick's Fresnel term.
+    "scene::fetch" FRESNEL_SCHLICK = 0;
+    /// The same reflectance at every angle.
+    "scene::fetch" FRESNEL_CONSTANT = 1;
+    /// Fresnel's equations for a dielectric.
+    "scene::fetch" FRESNEL_DIELECTRIC = 2;
+    /// Fresnel's equations for a conductor.
+    "scene::fetch" FRESNEL_CONDUCTOR = 3;
+    /// Set in a material's bits where light passes straight through.
+    "scene::fetch" THIN_BIT = 4;
     /// Set where a primitive has vertex normals.
     "scene::fetch" HAS_NORMALS = 1;
     /// Set where a primitive has texture coordinates that its material reads.
     "scene::fetch" HAS_UVS = 2;
+    /// Words of a textured material.
+    "scene::textured" TEXTURED_WORDS = 4;
     /// An image again outside of itself.
     "scene::texture" WRAP_REPEAT = 0;
     /// Mirrored.

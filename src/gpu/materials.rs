@@ -1,25 +1,27 @@
 //! Materials as the GPU reads them: the formats of `shaders/scene/fetch.wesl`, `textured.wesl` and `texture.wesl`.
 
-use super::layout::{NEAREST_BIT, NONE, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT};
+use super::layout::{
+    FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK, MATERIAL_WORDS,
+    NEAREST_BIT, NONE, TEXTURED_WORDS, THIN_BIT, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
+};
 use super::scene_buffers::{Word, bits, word};
 use super::textures::Atlas;
 use crate::scene::light::Interpolation;
+use crate::scene::material::{BsdfParameters, Fresnel};
 use crate::scene::{Bsdf, Material, Scene, TextureUse, Wrap};
 use glam::DVec3;
 
-/// Two words per material; behind them three per textured one, and three per use of a texture. `colors` and `data` tell
-/// where textures lie.
+/// [`MATERIAL_WORDS`] words per material; behind them [`TEXTURED_WORDS`] per textured one, and three per use of a texture.
+/// The atlases of colours and of other numbers tell where textures lie.
 pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Vec<Word> {
-    let mut words: Vec<Word> = Vec::new();
-    for material in &scene.materials {
-        let p = material.bsdf.parameters();
-        let (f0, alpha) = p.specular.map_or((DVec3::ZERO, 0.0), |s| (s.f0, s.alpha));
-        words.extend([word(p.diffuse, bits(alpha)), word(f0, NONE)]);
-    }
+    let materials = scene.materials.iter();
+    let mut words: Vec<Word> = materials
+        .flat_map(|m| one_material(&m.bsdf.parameters()))
+        .collect();
     let textured = scene.materials.iter().enumerate();
     for (index, material) in textured.filter(|(_, m)| m.textures.any()) {
         let first = words.len() as u32;
-        words[2 * index + 1][3] = first;
+        words[index * MATERIAL_WORDS as usize + MATERIAL_WORDS as usize - 1][3] = first;
         words.extend(textured_words(material));
         let mut add = |texture: Option<TextureUse>, atlas: &Atlas| match texture {
             None => NONE,
@@ -43,22 +45,57 @@ pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Vec<
     words
 }
 
-/// A material as a case of the metallic-roughness model: base colour and roughness, F₀ of the dielectric and metallic, and
-/// room for the indices of its textures. The roughness of a Lambert material is −1: it has no microfacets.
-fn textured_words(material: &Material) -> [Word; 3] {
-    let (color, roughness, f0, metallic) = match material.bsdf {
-        Bsdf::Lambert { reflectance } => (reflectance, -1.0, 0.0, 0.0),
-        Bsdf::Conductor { reflectance, alpha } => (reflectance, alpha.sqrt(), 0.0, 1.0),
+fn one_material(p: &BsdfParameters) -> [Word; MATERIAL_WORDS as usize] {
+    let none = Fresnel::Schlick {
+        f0: DVec3::ZERO,
+        f90: 0.0,
+    };
+    let fresnel = p.specular.map_or(none, |s| s.fresnel);
+    let (kind, f0, f90, k) = match fresnel {
+        Fresnel::Constant(reflectance) => (FRESNEL_CONSTANT, reflectance, 0.0, DVec3::ZERO),
+        Fresnel::Schlick { f0, f90 } => (FRESNEL_SCHLICK, f0, f90, DVec3::ZERO),
+        Fresnel::Dielectric { .. } => (FRESNEL_DIELECTRIC, DVec3::ZERO, 0.0, DVec3::ZERO),
+        Fresnel::Conductor { eta, k } => (FRESNEL_CONDUCTOR, eta, 0.0, k),
+    };
+    let ior = match (p.transmission, fresnel) {
+        (Some(t), _) => t.ior,
+        (None, Fresnel::Dielectric { ior }) => ior,
+        (None, _) => 1.0,
+    };
+    let thin = p.transmission.is_some_and(|t| t.thin);
+    let transmittance = p.transmission.map_or(DVec3::ZERO, |t| t.transmittance);
+    [
+        word(p.diffuse, bits(p.specular.map_or(0.0, |s| s.alpha))),
+        word(f0, bits(f90)),
+        word(k, kind | if thin { THIN_BIT } else { 0 }),
+        word(transmittance, bits(ior)),
+        word(p.specular.map_or(DVec3::ZERO, |s| s.average), NONE),
+    ]
+}
+
+/// What the textures of a material are factors on: base colour and roughness; F₀ of the dielectric and metallic; room for the
+/// indices of the textures; F₉₀ of the dielectric. A conductor is a metal of the metallic-roughness model here. The
+/// roughness of what is no case of it is −1: there only a colour counts.
+fn textured_words(material: &Material) -> [Word; TEXTURED_WORDS as usize] {
+    let (color, roughness, f0, metallic, f90) = match material.bsdf {
+        Bsdf::Conductor { reflectance, alpha } => {
+            (reflectance, alpha.sqrt(), DVec3::ZERO, 1.0, 1.0)
+        }
         Bsdf::MetallicRoughness {
             base_color,
             metallic,
             roughness,
-        } => (base_color, roughness, Bsdf::DIELECTRIC_F0, metallic),
+            layer,
+        } if layer.transmission * (1.0 - metallic) <= 0.0 => {
+            (base_color, roughness, layer.f0(), metallic, layer.specular)
+        }
+        _ => (DVec3::ONE, -1.0, DVec3::ZERO, 0.0, 0.0),
     };
     [
         word(color, bits(roughness)),
-        word(DVec3::splat(f0), bits(metallic)),
+        word(f0, bits(metallic)),
         [0; 4],
+        word(DVec3::splat(f90), 0),
     ]
 }
 

@@ -28,7 +28,7 @@ pub struct SceneBuffers {
     pub nodes: GpuBuffer<Node>,
     /// Three words per primitive.
     pub primitives: GpuBuffer<Word>,
-    /// Two words per material, and those of textures.
+    /// [`MATERIAL_WORDS`](super::layout::MATERIAL_WORDS) words per material, and those of textures.
     pub materials: GpuBuffer<Word>,
     /// Four words per light.
     pub lights: GpuBuffer<Word>,
@@ -324,6 +324,7 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
         shadow_rays: shadow_grid.rays,
         shadow_columns: shadow_grid.columns,
         shadow_steps: shadow_grid.steps,
+        max_specular_depth: prepared.scene.render.max_specular_depth,
         ..Frame::default()
     };
     let tree = prepared.emitters.selection.as_ref();

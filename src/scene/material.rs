@@ -1,5 +1,6 @@
 //! Surfaces: a BSDF, and whether its back exists.
 
+use super::fresnel::{average, conductor_reflectance, dielectric_reflectance};
 use super::texture::{MaterialTextures, TexturedFactors};
 use glam::DVec3;
 
@@ -17,7 +18,7 @@ pub struct Material {
     pub textures: MaterialTextures,
 }
 
-/// The scattering functions of a scene file. All reflect only.
+/// The scattering functions of a scene file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Bsdf {
     /// Ideal diffuse reflection: `f_r = reflectance / π`.
@@ -25,11 +26,43 @@ pub enum Bsdf {
         /// Albedo, each channel in [0, 1].
         reflectance: DVec3,
     },
+    /// Ideal specular reflection, the same at every angle.
+    Mirror {
+        /// Reflectance, each channel in [0, 1].
+        reflectance: DVec3,
+    },
+    /// A smooth dielectric: Fresnel's equations divide light into reflected and refracted.
+    Dielectric {
+        /// Index of refraction inside over that outside.
+        ior: f64,
+        /// Factor on what passes through the surface, each channel in [0, 1]; through a closed body light passes twice.
+        transmittance: DVec3,
+        /// A pane without thickness: nothing is refracted, and what is reflected between its sides counts.
+        thin: bool,
+    },
     /// A rough conductor: GGX microfacets with Schlick's Fresnel.
     Conductor {
         /// Reflectance at normal incidence (F₀), each channel in [0, 1].
         reflectance: DVec3,
-        /// GGX width α in (0, 1].
+        /// GGX width α in [0, 1].
+        alpha: f64,
+    },
+    /// A rough conductor: GGX microfacets with Fresnel's equations.
+    Metal {
+        /// Index of refraction, real part.
+        eta: DVec3,
+        /// Extinction coefficient.
+        k: DVec3,
+        /// GGX width α in [0, 1].
+        alpha: f64,
+    },
+    /// A diffuse base under a rough dielectric coat: GGX microfacets with Fresnel's equations.
+    Plastic {
+        /// Albedo of the base, each channel in [0, 1].
+        reflectance: DVec3,
+        /// Index of refraction of the coat, at least 1.
+        ior: f64,
+        /// GGX width α in [0, 1].
         alpha: f64,
     },
     /// glTF 2.0's metallic-roughness model (specification, appendix B).
@@ -40,81 +73,276 @@ pub enum Bsdf {
         metallic: f64,
         /// Perceptual roughness in [0, 1]; α = roughness².
         roughness: f64,
+        /// Its extensions.
+        layer: DielectricLayer,
     },
 }
 
-/// What every BSDF comes down to: `f_r = (1 − F) diffuse/π + F·D·V` with GGX `D`, height-correlated Smith `V`
-/// and Schlick's `F` between `f0` and 1. Without `specular` only `diffuse/π` remains.
+/// What glTF's extensions say of the dielectric in the metallic-roughness model.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BsdfParameters {
-    /// Albedo of the diffuse lobe.
-    pub diffuse: DVec3,
-    /// The microfacet lobe, where there is one.
-    pub specular: Option<SpecularLobe>,
+pub struct DielectricLayer {
+    /// KHR_materials_ior: index of refraction, at least 1, or 0 for a reflectance of 1.
+    pub ior: f64,
+    /// KHR_materials_specular: factor on its reflectance, in [0, 1].
+    pub specular: f64,
+    /// KHR_materials_specular: factor on its reflectance at normal incidence, not negative.
+    pub specular_color: DVec3,
+    /// KHR_materials_transmission: the part of what enters that passes through instead of being scattered, in [0, 1].
+    pub transmission: f64,
+    /// Whether what passes through is not refracted: there is no KHR_materials_volume, or its thickness is 0.
+    pub thin: bool,
 }
 
-/// Parameters of the GGX lobe.
+impl Default for DielectricLayer {
+    fn default() -> Self {
+        Self {
+            ior: 1.5,
+            specular: 1.0,
+            specular_color: DVec3::ONE,
+            transmission: 0.0,
+            thin: true,
+        }
+    }
+}
+
+/// What every BSDF comes down to: a diffuse base under a specular lobe, and what passes through.
+///
+/// With Schlick's `F` this is glTF's `f_r = (1 − F(ω_i·h)) diffuse/π + F·D·V`, GGX `D` and height-correlated Smith `V`.
+/// Under a dielectric's lobe the base is lit through the coat both ways, `(1 − F(θ_i)) (1 − F(θ_o))/(1 − F̄)
+/// diffuse/π` with F̄ the lobe's average: reciprocal, and a smooth coat over a white base reflects all light (Kelemen &
+/// Szirmay-Kalos 2001 with the smooth coat's albedo, F itself). Without `specular` only `diffuse/π` remains.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BsdfParameters {
+    /// Albedo of the diffuse base.
+    pub diffuse: DVec3,
+    /// The specular lobe, where there is one.
+    pub specular: Option<SpecularLobe>,
+    /// What passes through, where something does.
+    pub transmission: Option<Transmission>,
+}
+
+/// Parameters of the specular lobe.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpecularLobe {
-    /// Reflectance at normal incidence.
-    pub f0: DVec3,
-    /// GGX width.
+    /// What its facets reflect.
+    pub fresnel: Fresnel,
+    /// GGX width; 0: a mirror.
     pub alpha: f64,
+    /// F̄ = 2∫F(μ)μ dμ, μ the cosine: what it reflects of light from everywhere, were it smooth.
+    pub average: DVec3,
+    /// Whether light that meets several facets counts; see [`RenderSettings::energy_compensation`].
+    ///
+    /// [`RenderSettings::energy_compensation`]: super::RenderSettings::energy_compensation
+    pub compensated: bool,
+}
+
+/// Reflectance of a smooth surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fresnel {
+    /// The same at every angle.
+    Constant(DVec3),
+    /// Schlick's: from `f0` at normal incidence to `f90` at grazing.
+    Schlick {
+        /// At normal incidence.
+        f0: DVec3,
+        /// At grazing incidence.
+        f90: f64,
+    },
+    /// Fresnel's equations for a dielectric.
+    Dielectric {
+        /// Index of refraction inside over that outside.
+        ior: f64,
+    },
+    /// Fresnel's equations for a conductor.
+    Conductor {
+        /// Index of refraction, real part.
+        eta: DVec3,
+        /// Extinction coefficient.
+        k: DVec3,
+    },
+}
+
+/// Light that passes through a smooth dielectric's surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transmission {
+    /// Factor on it.
+    pub transmittance: DVec3,
+    /// Index of refraction inside over that outside.
+    pub ior: f64,
+    /// Whether nothing is refracted; see [`Bsdf::Dielectric`].
+    pub thin: bool,
+}
+
+impl SpecularLobe {
+    /// A lobe of width `alpha`; one below [`Bsdf::MIN_ALPHA`] is a mirror.
+    pub fn new(fresnel: Fresnel, alpha: f64) -> Self {
+        let average = match fresnel {
+            Fresnel::Constant(reflectance) => reflectance,
+            // 2∫(1 − μ)⁵μ dμ = 1/21.
+            Fresnel::Schlick { f0, f90 } => f0 + (DVec3::splat(f90) - f0) / 21.0,
+            Fresnel::Dielectric { ior } => {
+                DVec3::splat(average(|cos| dielectric_reflectance(cos, ior)))
+            }
+            Fresnel::Conductor { eta, k } => DVec3::from_array(std::array::from_fn(|c| {
+                average(|cos| conductor_reflectance(cos, eta[c], k[c]))
+            })),
+        };
+        let smooth = alpha < Bsdf::MIN_ALPHA;
+        Self {
+            fresnel,
+            alpha: if smooth { 0.0 } else { alpha },
+            average,
+            compensated: false,
+        }
+    }
+}
+
+impl BsdfParameters {
+    /// Whether camera rays go on here: the lobe is a mirror, or something passes through.
+    pub fn is_specular(&self) -> bool {
+        self.specular.is_some_and(|lobe| lobe.alpha <= 0.0) || self.transmission.is_some()
+    }
 }
 
 impl Bsdf {
-    /// Smallest GGX width that is simulated; a smaller one is raised to it, with a warning.
+    /// Smallest GGX width that is simulated as one; a narrower lobe is a mirror, in which camera rays go on.
     pub const MIN_ALPHA: f64 = 1e-4;
-    /// Reflectance of a dielectric with index of refraction 1.5 at normal incidence.
-    pub const DIELECTRIC_F0: f64 = 0.04;
 
-    /// This BSDF where its material's textures say `factors`.
-    pub fn textured(self, factors: &TexturedFactors) -> Self {
+    /// Multiplies the reflectance, the base colour or what passes through. A metal of a given index has no colour beside it.
+    pub fn scale_color(&mut self, factor: DVec3) {
         match self {
-            Self::Lambert { reflectance } => Self::Lambert {
-                reflectance: reflectance * factors.color,
-            },
-            Self::Conductor { reflectance, alpha } => Self::Conductor {
-                reflectance: reflectance * factors.color,
-                alpha,
-            },
-            Self::MetallicRoughness {
-                base_color,
-                metallic,
-                roughness,
-            } => Self::MetallicRoughness {
-                base_color: base_color * factors.color,
-                metallic: metallic * factors.metallic,
-                roughness: roughness * factors.roughness,
-            },
+            Self::Lambert { reflectance: color }
+            | Self::Mirror { reflectance: color }
+            | Self::Conductor {
+                reflectance: color, ..
+            }
+            | Self::Plastic {
+                reflectance: color, ..
+            }
+            | Self::Dielectric {
+                transmittance: color,
+                ..
+            }
+            | Self::MetallicRoughness {
+                base_color: color, ..
+            } => *color *= factor,
+            Self::Metal { .. } => {}
         }
+    }
+
+    /// Multiplies metallic and roughness of glTF's model.
+    pub fn scale_metallic_roughness(&mut self, on_metallic: f64, on_roughness: f64) {
+        if let Self::MetallicRoughness {
+            metallic,
+            roughness,
+            ..
+        } = self
+        {
+            *metallic *= on_metallic;
+            *roughness *= on_roughness;
+        }
+    }
+
+    /// The lobes where the material's textures say `factors`. No texture makes a mirror of a rough surface.
+    pub fn textured_parameters(&self, factors: &TexturedFactors) -> BsdfParameters {
+        let mut textured = *self;
+        textured.scale_color(factors.color);
+        let own = self.parameters();
+        if own.transmission.is_none() {
+            textured.scale_metallic_roughness(factors.metallic, factors.roughness);
+        }
+        if let Self::MetallicRoughness { roughness, .. } = &mut textured
+            && !own.is_specular()
+        {
+            *roughness = roughness.max(Self::MIN_ALPHA.sqrt() * (1.0 + f64::EPSILON));
+        }
+        textured.parameters()
     }
 
     /// The lobes this BSDF comes down to.
     pub fn parameters(&self) -> BsdfParameters {
+        let reflects = |diffuse, fresnel, alpha| BsdfParameters {
+            diffuse,
+            specular: Some(SpecularLobe::new(fresnel, alpha)),
+            transmission: None,
+        };
         match *self {
             Self::Lambert { reflectance } => BsdfParameters {
                 diffuse: reflectance,
                 specular: None,
+                transmission: None,
             },
-            Self::Conductor { reflectance, alpha } => BsdfParameters {
-                diffuse: DVec3::ZERO,
-                specular: Some(SpecularLobe {
-                    f0: reflectance,
-                    alpha: alpha.max(Self::MIN_ALPHA),
+            Self::Mirror { reflectance } => {
+                reflects(DVec3::ZERO, Fresnel::Constant(reflectance), 0.0)
+            }
+            Self::Dielectric {
+                ior,
+                transmittance,
+                thin,
+            } => BsdfParameters {
+                transmission: Some(Transmission {
+                    transmittance,
+                    ior,
+                    thin,
                 }),
+                ..reflects(DVec3::ZERO, Fresnel::Dielectric { ior }, 0.0)
             },
+            Self::Conductor { reflectance, alpha } => {
+                let (f0, f90) = (reflectance, 1.0);
+                reflects(DVec3::ZERO, Fresnel::Schlick { f0, f90 }, alpha)
+            }
+            Self::Metal { eta, k, alpha } => {
+                reflects(DVec3::ZERO, Fresnel::Conductor { eta, k }, alpha)
+            }
+            Self::Plastic {
+                reflectance,
+                ior,
+                alpha,
+            } => reflects(reflectance, Fresnel::Dielectric { ior }, alpha),
             Self::MetallicRoughness {
                 base_color,
                 metallic,
                 roughness,
-            } => BsdfParameters {
-                diffuse: base_color * (1.0 - metallic),
-                specular: Some(SpecularLobe {
-                    f0: DVec3::splat(Self::DIELECTRIC_F0).lerp(base_color, metallic),
-                    alpha: (roughness * roughness).max(Self::MIN_ALPHA),
+                layer,
+            } => layer.parameters(base_color, metallic, roughness * roughness),
+        }
+    }
+}
+
+impl DielectricLayer {
+    /// Reflectance at normal incidence.
+    pub fn f0(&self) -> DVec3 {
+        let normal = ((self.ior - 1.0) / (self.ior + 1.0)).powi(2);
+        (normal * self.specular_color).min(DVec3::ONE) * self.specular
+    }
+
+    /// The model under these extensions. Where something passes through, the surface is a smooth dielectric: the metal's
+    /// part, the roughness and the factors of KHR_materials_specular do not count.
+    fn parameters(&self, base_color: DVec3, metallic: f64, alpha: f64) -> BsdfParameters {
+        let dielectric = 1.0 - metallic;
+        let through = self.transmission * dielectric;
+        if through > 0.0 {
+            return BsdfParameters {
+                diffuse: base_color * (dielectric - through),
+                specular: Some(SpecularLobe::new(
+                    Fresnel::Dielectric { ior: self.ior },
+                    0.0,
+                )),
+                transmission: Some(Transmission {
+                    transmittance: base_color * through,
+                    ior: self.ior,
+                    thin: self.thin,
                 }),
-            },
+            };
+        }
+        let fresnel = Fresnel::Schlick {
+            f0: self.f0().lerp(base_color, metallic),
+            f90: self.specular * dielectric + metallic,
+        };
+        BsdfParameters {
+            diffuse: base_color * dielectric,
+            specular: Some(SpecularLobe::new(fresnel, alpha)),
+            transmission: None,
         }
     }
 }

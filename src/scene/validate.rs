@@ -2,11 +2,14 @@
 //!
 //! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind may rely on it.
 
+mod materials;
+
 use super::range;
+use super::settings::MAX_SPECULAR_DEPTH;
 use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
-    Bsdf, Camera, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize,
-    Geometry, Light, LightSelection, Material, Mesh, Scene, Shape,
+    Camera, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize,
+    Geometry, Light, LightSelection, Mesh, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
@@ -23,8 +26,8 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
     check.film(scene.film)?;
     check.camera(&scene.camera)?;
     for material in &scene.materials {
-        check.material(material)?;
-        check.textures(material, scene.textures.len())?;
+        materials::check(&scene.source, material)?;
+        materials::textures(&scene.source, material, scene.textures.len())?;
     }
     for shape in &scene.shapes {
         check.shape(shape, scene.materials.len())?;
@@ -100,66 +103,6 @@ impl Check<'_> {
             || "camera".to_owned(),
             || "its frame is not orthonormal and finite".to_owned(),
             "right × up = −forward, as Camera::look_at makes it",
-        )
-    }
-
-    fn material(&self, material: &Material) -> Outcome {
-        let field = |key: &str| format!("materials.{}.{key}", material.name);
-        let unit = |value: DVec3, key: &str| {
-            let holds = value.cmpge(DVec3::ZERO).all() && value.cmple(DVec3::ONE).all();
-            let problem = || format!("is {value}");
-            self.require(holds, || field(key), problem, "each channel from 0 to 1")
-        };
-        let number = |value: f64, key: &str| {
-            let problem = || format!("is {value}");
-            let holds = (0.0..=1.0).contains(&value);
-            self.require(holds, || field(key), problem, "a number from 0 to 1")
-        };
-        match material.bsdf {
-            Bsdf::Lambert { reflectance } => unit(reflectance, "reflectance"),
-            Bsdf::Conductor { reflectance, alpha } => {
-                unit(reflectance, "reflectance")?;
-                self.require(
-                    alpha > 0.0 && alpha <= 1.0,
-                    || field("alpha"),
-                    || format!("is {alpha}"),
-                    "a number above 0 and up to 1",
-                )
-            }
-            Bsdf::MetallicRoughness {
-                base_color,
-                metallic,
-                roughness,
-            } => {
-                unit(base_color, "base_color")?;
-                number(metallic, "metallic")?;
-                number(roughness, "roughness")
-            }
-        }
-    }
-
-    fn textures(&self, material: &Material, textures: usize) -> Outcome {
-        let field = || format!("materials.{}.textures", material.name);
-        for texture in material.textures.uses() {
-            self.require(
-                texture.texture.index() < textures,
-                field,
-                || format!("is texture {} of {textures}", texture.texture.0),
-                "an index into the scene's textures",
-            )?;
-            self.require(
-                texture.transform.is_finite(),
-                field,
-                || format!("are repeated {} times", texture.transform.matrix2),
-                "finite numbers",
-            )?;
-        }
-        let scale = material.textures.normal.map_or(1.0, |map| map.scale);
-        self.require(
-            scale.is_finite(),
-            || format!("{}.normal_scale", field()),
-            || format!("is {scale}"),
-            "a finite number",
         )
     }
 
@@ -368,6 +311,13 @@ impl Check<'_> {
             || "render.shadow_rays".to_owned(),
             || format!("is {rays}"),
             "1 to 1024",
+        )?;
+        let depth = render.max_specular_depth;
+        self.require(
+            depth <= MAX_SPECULAR_DEPTH,
+            || "render.max_specular_depth".to_owned(),
+            || format!("is {depth}"),
+            "0 to 64",
         )?;
         let samples = match render.light_selection {
             LightSelection::All => scene.samples_of_all_lights(),

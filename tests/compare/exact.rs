@@ -7,6 +7,7 @@ use direkt::reference::Twin;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::reference::exact::scene::ExactScene;
 use direkt::render::Prepared;
+use direkt::scene::material::DielectricLayer;
 use direkt::scene::{Bsdf, FilmSize, Scene, Strategy};
 use direkt::stats::moments::Moments;
 use direkt::stats::t_test::one_sample;
@@ -47,6 +48,7 @@ fn glossy_cornell() -> Scene {
                 base_color: reflectance,
                 metallic: 0.5,
                 roughness: 0.5,
+                layer: DielectricLayer::default(),
             };
         }
     }

@@ -387,3 +387,56 @@ fn expectations() {
         "expect.pixels[0][1]: is [-2, -2, -2]; expected finite numbers, not negative",
     );
 }
+
+/// The message for a material.
+fn material(text: &str) -> String {
+    refused(&format!("[materials.m]\n{text}\n"))
+}
+
+#[test]
+fn numbers_of_materials() {
+    let index = "materials.m.ior: is 0.9; expected an index of refraction from 1 to 1000";
+    let unit = "expected a number from 0 to 1";
+    let channels = "expected each channel from 0 to 1";
+    for (text, expected) in [
+        ("type = \"conductor\"\nreflectance = 1\nalpha = -0.1", format!("materials.m.alpha: is -0.1; {unit}")),
+        ("type = \"plastic\"\nreflectance = 1\nalpha = 1.5", format!("materials.m.alpha: is 1.5; {unit}")),
+        ("type = \"plastic\"\nreflectance = 1\nalpha = 0.1\nior = 0.9", index.to_owned()),
+        ("type = \"mirror\"\nreflectance = 1.5", format!("materials.m.reflectance: is [1.5, 1.5, 1.5]; {channels}")),
+        ("type = \"dielectric\"\ntransmittance = -1", format!("materials.m.transmittance: is [-1, -1, -1]; {channels}")),
+        (
+            "type = \"dielectric\"\nior = 0",
+            "materials.m.ior: is 0; expected the index inside over that outside, 0.001 to 1000, of a thin pane from 1".to_owned(),
+        ),
+        (
+            "type = \"dielectric\"\ndouble_sided = false",
+            "materials.m.double_sided: is false; expected true: light leaves a body of glass through the back of its surface".to_owned(),
+        ),
+        (
+            "type = \"conductor\"\neta = 0\nk = 1\nalpha = 0.1",
+            "materials.m.eta: is [0, 0, 0]; expected each channel above 0 and up to 1000".to_owned(),
+        ),
+        (
+            "type = \"conductor\"\neta = 1\nk = -1\nalpha = 0.1",
+            "materials.m.k: is [-1, -1, -1]; expected each channel from 0 to 1000".to_owned(),
+        ),
+        (
+            "type = \"conductor\"\neta = 1\nalpha = 0.1",
+            "materials.m: its reflectance is given in parts, twice or not at all; expected `reflectance`, or `eta` and `k`, or `metal`".to_owned(),
+        ),
+        (
+            "type = \"metallic-roughness\"\nbase_color = 1\nmetallic = 0\nroughness = -0.5",
+            format!("materials.m.roughness: is -0.5; {unit}"),
+        ),
+        (
+            "type = \"metallic-roughness\"\nbase_color = 1\nmetallic = 0\nroughness = 0.5\nior = 0.9",
+            index.to_owned(),
+        ),
+    ] {
+        says(material(text), &expected);
+    }
+    says(
+        refused("[render]\nmax_specular_depth = 65\n"),
+        "render.max_specular_depth: is 65; expected 0 to 64",
+    );
+}

@@ -4,6 +4,7 @@ use super::files::{Folder, glb, load_gltf, triangle_glb, triangle_gltf, with};
 use super::textures::{png, with_texture};
 use crate::support::shared;
 use direkt::scene::load::{LoadOptions, load};
+use direkt::scene::material::DielectricLayer;
 use direkt::scene::{Bsdf, Geometry, Light, Mesh, Scene};
 use glam::DVec3;
 use serde_json::json;
@@ -94,7 +95,8 @@ fn materials_emission_and_sides() {
         Bsdf::MetallicRoughness {
             base_color: DVec3::new(0.5, 0.25, 1.0),
             metallic: 0.0,
-            roughness: 0.75
+            roughness: 0.75,
+            layer: DielectricLayer::default(),
         }
     );
     assert!(material.double_sided);
@@ -114,7 +116,8 @@ fn materials_emission_and_sides() {
         Bsdf::MetallicRoughness {
             base_color: DVec3::ONE,
             metallic: 1.0,
-            roughness: 1.0
+            roughness: 1.0,
+            layer: DielectricLayer::default(),
         }
     );
 }
@@ -323,4 +326,81 @@ fn khronos_samples_load() {
         matches!(depth.lights[0], Light::Directional { irradiance, .. } if irradiance == DVec3::splat(6830.0))
     );
     insta::assert_snapshot!(depth.warnings.join("\n"));
+}
+
+/// The extensions about dielectrics, and what is left out of them in one sentence each.
+#[test]
+fn extensions_of_materials_are_read() {
+    let mut json = triangle_gltf();
+    json["extensionsUsed"] = json!([
+        "KHR_materials_ior",
+        "KHR_materials_specular",
+        "KHR_materials_transmission",
+        "KHR_materials_volume"
+    ]);
+    json["materials"][0] = json!({
+        "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0.5 },
+        "extensions": {
+            "KHR_materials_ior": { "ior": 1.25 },
+            "KHR_materials_specular": { "specularFactor": 0.5, "specularColorFactor": [1, 0.5, 2] },
+            "KHR_materials_transmission": { "transmissionFactor": 0.75 },
+            "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 2 }
+        }
+    });
+    let scene = load_gltf(&json).expect("a valid glTF");
+    let material = &scene.materials[0];
+    let Bsdf::MetallicRoughness { layer, .. } = material.bsdf else {
+        panic!("{material:?}");
+    };
+    let expected = DielectricLayer {
+        ior: 1.25,
+        specular: 0.5,
+        specular_color: DVec3::new(1.0, 0.5, 2.0),
+        transmission: 0.75,
+        thin: false,
+    };
+    assert_eq!(layer, expected);
+    assert!(material.double_sided, "light leaves through the back");
+    let warned = |part: &str| scene.warnings.iter().filter(|w| w.contains(part)).count();
+    assert_eq!(warned("roughness is ignored"), 1, "{:?}", scene.warnings);
+    assert_eq!(warned("attenuation"), 1, "{:?}", scene.warnings);
+    assert_eq!(
+        warned("not supported and ignored"),
+        0,
+        "{:?}",
+        scene.warnings
+    );
+    for (extension, key, value, expected) in [
+        (
+            "ior",
+            "ior",
+            json!(0.5),
+            "is 0.5; expected an index of refraction from 1 to 1000, or 0",
+        ),
+        (
+            "specular",
+            "specularFactor",
+            json!(2),
+            "is 2; expected a number from 0 to 1",
+        ),
+        (
+            "transmission",
+            "transmissionFactor",
+            json!(-1),
+            "is -1; expected a number from 0 to 1",
+        ),
+        (
+            "specular",
+            "specularColorFactor",
+            json!([0, -1, 0]),
+            "is -1; expected a finite number, not negative",
+        ),
+    ] {
+        let mut bad = json.clone();
+        let name = format!("KHR_materials_{extension}");
+        bad["materials"][0]["extensions"][&name][key] = value;
+        let message = load_gltf(&bad).expect_err("it is refused");
+        let expected = format!("materials[0].extensions.{name}.{key}: {expected}");
+        assert!(message.contains(&expected), "{message}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::files::{Folder, load_gltf, triangle_gltf, with};
 use direkt::scene::light::Interpolation;
-use direkt::scene::{Geometry, Mesh, Scene, Texels, Wrap};
+use direkt::scene::{Bsdf, Geometry, Mesh, Scene, Texels, Wrap};
 use glam::{DVec2, DVec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};
 use insta::assert_snapshot;
@@ -127,9 +127,13 @@ fn constant_textures_call_for_nothing() {
     let json = with(textured_triangle(), "/materials", material);
     let scene = load_gltf(&with_texture(json, &png(&[[127, 128, 255]; 3]))).expect("a valid glTF");
     assert!(!scene.materials[0].textures.any());
-    let parameters = scene.materials[0].bsdf.parameters();
-    let f0 = parameters.specular.expect("a metal").f0;
-    assert!((f0.z - 0.5).abs() < 1e-6 && f0.x < 0.12, "{f0}");
+    let Bsdf::MetallicRoughness { base_color, .. } = scene.materials[0].bsdf else {
+        panic!("glTF's model");
+    };
+    assert!(
+        (base_color.z - 0.5).abs() < 1e-6 && base_color.x < 0.12,
+        "{base_color}"
+    );
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::{emitter, floor_pixel, lambert, point_light, shape};
 use direkt::scene::light::Interpolation;
+use direkt::scene::material::DielectricLayer;
 use direkt::scene::{
     Bsdf, Emission, Environment, EnvironmentMap, EnvironmentRadiance, Geometry, Light, Material,
     MaterialId, Mesh, Scene, Shape,
@@ -29,6 +30,32 @@ pub fn every_kind(environment: Environment) -> Scene {
                 base_color: DVec3::new(0.1, 0.3, 0.6),
                 metallic: 0.25,
                 roughness: 0.4,
+                layer: DielectricLayer::default(),
+            },
+            ..lambert(0.0)
+        },
+        Material {
+            name: "gold".to_owned(),
+            bsdf: Bsdf::Metal {
+                eta: DVec3::new(0.221, 0.428, 1.334),
+                k: DVec3::new(3.216, 2.462, 1.871),
+                alpha: 0.3,
+            },
+            ..lambert(0.0)
+        },
+        Material {
+            name: "mirror".to_owned(),
+            bsdf: Bsdf::Mirror {
+                reflectance: DVec3::new(0.9, 0.8, 0.7),
+            },
+            ..lambert(0.0)
+        },
+        Material {
+            name: "pane".to_owned(),
+            bsdf: Bsdf::Dielectric {
+                ior: 1.5,
+                transmittance: DVec3::new(0.9, 0.5, 0.7),
+                thin: true,
             },
             ..lambert(0.0)
         },

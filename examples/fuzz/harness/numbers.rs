@@ -66,7 +66,29 @@ impl<F: FnMut(f64) -> f64> Visitor<'_, F> {
 
     fn material(&mut self, material: &mut Material) {
         match &mut material.bsdf {
-            Bsdf::Lambert { reflectance } => self.vector(reflectance),
+            Bsdf::Lambert { reflectance } | Bsdf::Mirror { reflectance } => {
+                self.vector(reflectance);
+            }
+            Bsdf::Dielectric {
+                ior, transmittance, ..
+            } => {
+                self.number(ior);
+                self.vector(transmittance);
+            }
+            Bsdf::Metal { eta, k, alpha } => {
+                self.vector(eta);
+                self.vector(k);
+                self.number(alpha);
+            }
+            Bsdf::Plastic {
+                reflectance,
+                ior,
+                alpha,
+            } => {
+                self.vector(reflectance);
+                self.number(ior);
+                self.number(alpha);
+            }
             Bsdf::Conductor { reflectance, alpha } => {
                 self.vector(reflectance);
                 self.number(alpha);
@@ -75,10 +97,15 @@ impl<F: FnMut(f64) -> f64> Visitor<'_, F> {
                 base_color,
                 metallic,
                 roughness,
+                layer,
             } => {
                 self.vector(base_color);
                 self.number(metallic);
                 self.number(roughness);
+                self.number(&mut layer.ior);
+                self.number(&mut layer.specular);
+                self.vector(&mut layer.specular_color);
+                self.number(&mut layer.transmission);
             }
         }
     }

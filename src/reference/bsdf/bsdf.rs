@@ -1,11 +1,13 @@
 //! The BSDF of a material: a Lambert lobe under a GGX lobe, in the local frame.
 //! f_r = (1 − F) diffuse/π + F·D·G2 / (4 cosθ_i cosθ_o).
 
-use super::ggx::{eval_ggx, fresnel_schlick, pdf_ggx, sample_ggx_visible_normal};
+use super::compensation::{compensation_albedo, eval_compensation};
+use super::fresnel::fresnel;
+use super::ggx::{eval_ggx, pdf_ggx, sample_ggx_visible_normal};
 use super::lambert::{eval_lambert, pdf_lambert, sample_lambert, sample_uniform_hemisphere};
 use crate::reference::core::math::luminance;
 use crate::reference::core::pdf::PdfSolidAngle;
-use crate::scene::material::{BsdfParameters, SpecularLobe};
+use crate::scene::material::{BsdfParameters, Fresnel, SpecularLobe};
 use glam::{DVec2, DVec3};
 
 /// Value and density for one pair of directions.
@@ -32,10 +34,22 @@ pub struct BsdfSample {
 
 /// Probability of sampling the GGX lobe: its share of the reflected luminance, estimated at the mirror direction.
 pub fn specular_share(diffuse: DVec3, lobe: &SpecularLobe, cos_o: f64) -> f64 {
-    let f = fresnel_schlick(lobe.f0, cos_o);
+    let f = fresnel(&lobe.fresnel, cos_o);
     let s = luminance(f);
-    let d = luminance((DVec3::ONE - f) * diffuse);
+    let d = luminance((DVec3::ONE - f) * diffuse + compensation_albedo(lobe, cos_o));
     s / (s + d).max(1e-20)
+}
+
+/// The part of light that reaches what lies under `lobe` and comes out again.
+pub fn under_lobe(lobe: &SpecularLobe, wi: DVec3, wo: DVec3) -> DVec3 {
+    let passes = |cos: f64| DVec3::ONE - fresnel(&lobe.fresnel, cos);
+    match lobe.fresnel {
+        Fresnel::Dielectric { .. } => {
+            let mean = (DVec3::ONE - lobe.average).max(DVec3::splat(1e-6));
+            passes(wi.z) * passes(wo.z) / mean
+        }
+        _ => passes(0.5 * (wi + wo).length()),
+    }
 }
 
 /// Value and density of the direction `wi` for the viewer `wo`.
@@ -55,11 +69,19 @@ pub fn eval_bsdf(m: &BsdfParameters, wi: DVec3, wo: DVec3) -> BsdfValue {
             pdf: pdf_diffuse,
         };
     };
-    let f = fresnel_schlick(lobe.f0, 0.5 * (wi + wo).length());
+    let base = under_lobe(lobe, wi, wo) * diffuse;
+    if lobe.alpha <= 0.0 {
+        return BsdfValue {
+            f_cos: base * wi.z,
+            pdf: pdf_diffuse,
+        };
+    }
+    let base = base + eval_compensation(lobe, wi.z, wo.z);
+    let f = fresnel(&lobe.fresnel, 0.5 * (wi + wo).length());
     let share = specular_share(m.diffuse, lobe, wo.z);
     let pdf_specular = pdf_ggx(wo, h, lobe.alpha);
     BsdfValue {
-        f_cos: (f * eval_ggx(wi, wo, h, lobe.alpha) + (DVec3::ONE - f) * diffuse) * wi.z,
+        f_cos: (f * eval_ggx(wi, wo, h, lobe.alpha) + base) * wi.z,
         pdf: PdfSolidAngle((1.0 - share) * pdf_diffuse.0 + share * pdf_specular.0),
     }
 }
@@ -70,7 +92,7 @@ pub fn sample_bsdf(m: &BsdfParameters, wo: DVec3, lobe: f64, u: DVec2) -> BsdfSa
     let specular = m
         .specular
         .as_ref()
-        .filter(|s| lobe < specular_share(m.diffuse, s, wo.z));
+        .filter(|s| s.alpha > 0.0 && lobe < specular_share(m.diffuse, s, wo.z));
     if let Some(s) = specular {
         let h = sample_ggx_visible_normal(wo, s.alpha, u);
         wi = 2.0 * wo.dot(h) * h - wo;

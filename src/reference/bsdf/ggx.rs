@@ -24,11 +24,6 @@ pub fn ggx_visibility(wi: DVec3, wo: DVec3, alpha: f64) -> f64 {
     g2 / (4.0 * wi.z * wo.z)
 }
 
-/// F = F0 + (1 − F0)(1 − cosθ)⁵ (Schlick 1994).
-pub fn fresnel_schlick(f0: DVec3, cos_theta: f64) -> DVec3 {
-    f0 + (DVec3::ONE - f0) * (1.0 - cos_theta).clamp(0.0, 1.0).powi(5)
-}
-
 /// A microfacet normal with the density of visible normals (Dupuy & Benyoub 2023, "Sampling Visible GGX Normals with
 /// Spherical Caps").
 pub fn sample_ggx_visible_normal(wo: DVec3, alpha: f64, u: DVec2) -> DVec3 {

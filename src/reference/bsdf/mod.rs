@@ -5,5 +5,8 @@
 )]
 
 pub mod bsdf;
+pub mod compensation;
+pub mod fresnel;
 pub mod ggx;
 pub mod lambert;
+pub mod specular;

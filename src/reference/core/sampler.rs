@@ -19,6 +19,9 @@ pub const GROUP_LIGHT_TREE: u32 = 3;
 /// y; –, –. That of the next follows.
 pub const GROUP_LIGHT_POINTS: u32 = 16;
 
+/// Group of the choice at a camera ray's first specular surface: way; –, –, –. That of the next follows.
+pub const GROUP_SPECULAR: u32 = 1 << 30;
+
 /// Names one sample of one pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SampleId {

@@ -8,6 +8,7 @@ use super::occlusion::visible_pieces;
 use super::point::{directional_irradiance, point_irradiance};
 use super::polygon::polygon_factor;
 use crate::accel::PrimitiveGeometry;
+use crate::effects::Effect;
 use crate::emitters::Emitter;
 use crate::reference::core::frame::{ShadingFrame, to_local};
 use crate::reference::core::ray::Ray;
@@ -17,7 +18,7 @@ use crate::reference::scene::fetch::World;
 use crate::reference::scene::surface::{Surface, surface_at};
 use crate::reference::scene::trace::{any_hit, closest_hit};
 use crate::scene::Light;
-use crate::scene::material::{BsdfParameters, SpecularLobe};
+use crate::scene::material::{BsdfParameters, Fresnel, SpecularLobe};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
@@ -41,6 +42,19 @@ pub enum NotExact {
     /// Normals that are not the polygons'.
     #[error("{0} has shading normals; exact irradiance is known for flat polygons only")]
     ShadingNormals(String),
+    /// A mirror, or glass.
+    #[error(
+        "materials.{0} is a mirror or transparent; exact answers are known where camera rays end on the first surface"
+    )]
+    Specular(String),
+    /// Light that meets several facets.
+    #[error("energy_compensation = true; exact answers are known for light that meets one facet")]
+    Compensated,
+    /// A lobe that is not integrated here.
+    #[error(
+        "materials.{0} has a GGX lobe with Fresnel's equations; exact answers are known for Schlick's"
+    )]
+    Fresnel(String),
     /// Too many polygons.
     #[error("{0} polygons; at most {MAX_POLYGONS} are clipped against each other")]
     TooMany(usize),
@@ -67,6 +81,19 @@ impl<'a> ExactScene<'a> {
             .contains(&Emitter::Environment)
         {
             return Err(NotExact::Environment);
+        }
+        if world.prepared.effects.contains(Effect::EnergyCompensation) {
+            return Err(NotExact::Compensated);
+        }
+        for material in &world.prepared.scene.materials {
+            let parameters = material.bsdf.parameters();
+            if parameters.is_specular() {
+                return Err(NotExact::Specular(material.name.clone()));
+            }
+            let fresnel = parameters.specular.map(|lobe| lobe.fresnel);
+            if !matches!(fresnel, None | Some(Fresnel::Schlick { f90: 1.0, .. })) {
+                return Err(NotExact::Fresnel(material.name.clone()));
+            }
         }
         if world.primitives.len() > MAX_POLYGONS {
             return Err(NotExact::TooMany(world.primitives.len()));
@@ -227,7 +254,12 @@ impl<'a> ExactScene<'a> {
 /// f_r for the unit direction `wi` in the scene's space and `wo` in the frame's.
 fn f_r(material: &BsdfParameters, frame: &ShadingFrame, wi: DVec3, wo: DVec3) -> DVec3 {
     let diffuse = material.diffuse * FRAC_1_PI;
-    let Some(SpecularLobe { f0, alpha }) = material.specular else {
+    let Some(SpecularLobe {
+        fresnel: Fresnel::Schlick { f0, .. },
+        alpha,
+        ..
+    }) = material.specular
+    else {
         return diffuse;
     };
     let wi = to_local(frame, wi);

@@ -5,6 +5,7 @@
 //! estimated by light sampling, by BSDF sampling, or by both with the power heuristic.
 
 use super::camera::camera_ray;
+use super::camera_path::follow_camera_ray;
 use super::sample::{BsdfRay, Sample};
 use super::shadow_rays::{LightNumbers, ShadowRays};
 use crate::accel::PrimitiveGeometry;
@@ -128,25 +129,25 @@ impl<'a> Direct<'a> {
 
     fn sample_along(&self, ray: &Ray, id: SampleId) -> Sample {
         let mut sample = Sample::default();
-        let Some(hit) = closest_hit(&self.world, ray) else {
-            sample.radiance = environment_radiance(&self.world, ray.direction);
+        let found = follow_camera_ray(&self.world, *ray, self.numbers, id, &mut sample);
+        let Some(lit) = found else {
             return sample;
         };
-        let s = surface_at(&self.world, ray, &hit, -ray.direction);
-        sample.path.camera = Some(hit.primitive);
-        if let Some(light) = s.light {
-            sample.radiance += emitted_radiance(&self.world, light, s.front);
-        }
+        let s = lit.surface;
         let light_words = self.numbers.group(id, GROUP_LIGHT);
         let direction_words = self.numbers.group(id, GROUP_DIRECTION);
-        sample.conditions.normal_rounding = self.normal_rounding(hit.primitive);
-        sample.conditions.alpha = s.material.specular.map(|lobe| lobe.alpha);
+        sample.conditions.normal_rounding = self.normal_rounding(lit.primitive);
+        sample.conditions.alpha = s
+            .material
+            .specular
+            .map(|lobe| lobe.alpha)
+            .filter(|&alpha| alpha > 0.0);
         if self.sample_lights {
-            sample.by_light = self.estimate_by_light(&s, id, &mut sample);
+            sample.by_light = lit.throughput * self.estimate_by_light(&s, id, &mut sample);
         }
         if self.sample_bsdf {
-            sample.by_bsdf =
-                self.estimate_by_bsdf(&s, light_words[3], direction_words, &mut sample);
+            let by_bsdf = self.estimate_by_bsdf(&s, light_words[3], direction_words, &mut sample);
+            sample.by_bsdf = lit.throughput * by_bsdf;
         }
         sample.radiance += sample.by_light + sample.by_bsdf;
         sample

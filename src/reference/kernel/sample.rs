@@ -26,8 +26,10 @@ pub enum BsdfRay {
 /// What the rays of one sample met.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Path {
-    /// What the camera ray met.
+    /// What the camera ray met; where it went on, a hash of all that it met.
     pub camera: Option<u32>,
+    /// Rays with which it went on.
+    pub further_rays: u32,
     /// The shadow rays.
     pub shadow: Shadow,
     /// The BSDF-sampled ray.
@@ -50,6 +52,8 @@ pub struct Conditions {
     pub bsdf_light_curvature: f64,
     /// GGX width of the surface.
     pub alpha: Option<f64>,
+    /// Factor by which the specular surfaces before it have spread the camera ray's angle, at least 1.
+    pub spread: f64,
     /// Angle by which rounding its vertices to f32 turns the surface's normal.
     pub normal_rounding: f64,
     /// Angle between the BSDF-sampled direction and the edge of its cell in the environment's sampling grid.
@@ -67,6 +71,7 @@ impl Default for Conditions {
             bsdf_cos_light: 1.0,
             bsdf_light_curvature: 0.0,
             alpha: None,
+            spread: 1.0,
             normal_rounding: 0.0,
             cell_margin: std::f64::consts::PI,
             choice_margin: 1.0,

@@ -1,6 +1,7 @@
 //! What a ray can meet and a light sample can choose.
 
 use crate::accel::{Attributed, PrimitiveGeometry};
+use crate::effects::Effect;
 use crate::emitters::Emitter;
 use crate::reference::core::bvh::Bvh;
 use crate::render::Prepared;
@@ -38,6 +39,16 @@ pub struct World<'a> {
 impl<'a> World<'a> {
     /// The scene of `prepared`.
     pub fn new(prepared: &'a Prepared) -> Self {
+        let materials = prepared.scene.materials.iter();
+        let compensated = prepared.effects.contains(Effect::EnergyCompensation);
+        let parameters = materials.map(|m| {
+            let mut parameters = m.bsdf.parameters();
+            if let Some(lobe) = &mut parameters.specular {
+                lobe.compensated = compensated;
+            }
+            parameters
+        });
+        let parameters: Vec<_> = parameters.collect();
         let mut primitives: Vec<Primitive> = prepared
             .primitives
             .iter()
@@ -46,7 +57,7 @@ impl<'a> World<'a> {
                 let material = &prepared.scene.materials[p.material.index()];
                 Primitive {
                     geometry: p.geometry,
-                    material: material.bsdf.parameters(),
+                    material: parameters[p.material.index()],
                     material_id: p.material,
                     attributed,
                     one_sided: !material.double_sided,

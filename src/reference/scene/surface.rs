@@ -39,6 +39,8 @@ pub struct Surface {
     pub normal: DVec3,
     /// Cosine between it and `wo`.
     pub cos_o: f64,
+    /// What `position` and `origin` are lifted off the primitive by.
+    pub lift: DVec3,
 }
 
 /// What shading sees of a surface, on the front of the primitive.
@@ -126,6 +128,7 @@ pub fn surface_at(world: &World<'_>, ray: &Ray, hit: &Hit, wo: DVec3) -> Surface
         front,
         normal: facing,
         cos_o: facing.dot(wo),
+        lift: shading.offset,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::fetch::World;
 use super::texture::sample_texture;
+use crate::effects::Effect;
 use crate::scene::material::BsdfParameters;
 use crate::scene::texture::{TexturedFactors, tangent_normal};
 use crate::scene::{Material, NormalMap};
@@ -17,7 +18,11 @@ pub fn textured_material(world: &World<'_>, material: &Material, uv: DVec2) -> B
         let texel = sample_texture(world, texture, uv);
         (factors.roughness, factors.metallic) = (texel.y, texel.z);
     }
-    material.bsdf.textured(&factors).parameters()
+    let mut parameters = material.bsdf.textured_parameters(&factors);
+    if let Some(lobe) = &mut parameters.specular {
+        lobe.compensated = world.prepared.effects.contains(Effect::EnergyCompensation);
+    }
+    parameters
 }
 
 /// The normal map's value, not normalised, where the surface has the texture coordinates `uv`.

@@ -15,7 +15,7 @@ mod texture;
 mod toml_scene;
 mod transform;
 
-use super::{Bsdf, Emission, Geometry, Scene, validate};
+use super::{Emission, Geometry, Scene, validate};
 use crate::error::{Error, InputError, readable};
 use files::Folders;
 use std::path::{Path, PathBuf};
@@ -75,19 +75,6 @@ fn general_warnings(scene: &Scene) -> Vec<String> {
     {
         warnings.push("the scene has no light: the image will be black".to_owned());
     }
-    let sharp: Vec<&str> = scene
-        .materials
-        .iter()
-        .filter(|m| is_sharper_than_simulated(&m.bsdf))
-        .map(|m| m.name.as_str())
-        .collect();
-    if !sharp.is_empty() {
-        warnings.push(format!(
-            "GGX widths below {} are raised to it: {}",
-            Bsdf::MIN_ALPHA,
-            sharp.join(", ")
-        ));
-    }
     let empty = scene
         .shapes
         .iter()
@@ -104,12 +91,4 @@ fn general_warnings(scene: &Scene) -> Vec<String> {
         ));
     }
     warnings
-}
-
-fn is_sharper_than_simulated(bsdf: &Bsdf) -> bool {
-    match *bsdf {
-        Bsdf::Lambert { .. } => false,
-        Bsdf::Conductor { alpha, .. } => alpha < Bsdf::MIN_ALPHA,
-        Bsdf::MetallicRoughness { roughness, .. } => roughness * roughness < Bsdf::MIN_ALPHA,
-    }
 }

@@ -188,16 +188,14 @@ pub(super) fn fold_constant(materials: &mut [Material], textures: &[Texture]) {
     for material in materials {
         let maps = &mut material.textures;
         let constant = |u: &Option<TextureUse>| textures[u.as_ref()?.texture.index()].constant();
-        let mut factors = crate::scene::texture::TexturedFactors::default();
         if let Some(value) = constant(&maps.color) {
-            factors.color = value.truncate();
+            material.bsdf.scale_color(value.truncate());
             maps.color = None;
         }
         if let Some(value) = constant(&maps.metallic_roughness) {
-            (factors.roughness, factors.metallic) = (value.y, value.z);
+            material.bsdf.scale_metallic_roughness(value.z, value.y);
             maps.metallic_roughness = None;
         }
-        material.bsdf = material.bsdf.textured(&factors);
         // Half lies between 127 and 128: either is meant by it.
         let flat = |value: glam::DVec4| {
             let off = value.truncate() - DVec3::new(0.5, 0.5, 1.0);

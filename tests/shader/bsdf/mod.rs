@@ -5,5 +5,8 @@
 )]
 
 mod bsdf;
+mod compensation;
+mod fresnel;
 mod ggx;
 mod lambert;
+mod specular;

@@ -8,12 +8,18 @@ use crate::support::shader::{Function, call, draw};
 use crate::support::statistics::{accept, correlation_p_value, reject};
 use direkt::reference::core::rng::to_unit;
 use direkt::reference::core::sampler::{
-    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS, SampleId, part_of_sample,
-    random_group,
+    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS, GROUP_SPECULAR, SampleId,
+    part_of_sample, random_group,
 };
 
 const GROUPS: [u32; 3] = [GROUP_FILM, GROUP_LIGHT, GROUP_DIRECTION];
-const ALL_GROUPS: [u32; 4] = [GROUP_FILM, GROUP_LIGHT, GROUP_DIRECTION, GROUP_LIGHT_POINTS];
+const ALL_GROUPS: [u32; 5] = [
+    GROUP_FILM,
+    GROUP_LIGHT,
+    GROUP_DIRECTION,
+    GROUP_LIGHT_POINTS,
+    GROUP_SPECULAR,
+];
 
 const RANDOM_GROUP: Function<'_> = Function {
     imports: "import package::core::sampler::{SampleId, random_group};",
@@ -170,17 +176,18 @@ fn parts_of_samples_follow_each_other() {
 fn groups_have_the_twins_numbers() {
     let function = Function {
         imports: "import package::core::sampler::{
-                      GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS};",
+                      GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS, GROUP_SPECULAR};",
         body: "out_u32(0u, GROUP_FILM);
                out_u32(1u, GROUP_LIGHT);
                out_u32(2u, GROUP_DIRECTION);
-               out_u32(3u, GROUP_LIGHT_POINTS);",
+               out_u32(3u, GROUP_LIGHT_POINTS);
+               out_u32(4u, GROUP_SPECULAR);",
         inputs: 0,
-        outputs: 4,
+        outputs: 5,
         features: &[],
     };
     let answers = draw(&context(), &function, 1);
-    let found = [0, 1, 2, 3].map(|i| answers.u32(i).next());
+    let found = [0, 1, 2, 3, 4].map(|i| answers.u32(i).next());
     assert_eq!(found, ALL_GROUPS.map(Some));
 }
 

@@ -2,6 +2,7 @@
 
 mod accumulate;
 mod camera;
+mod camera_path;
 mod direct;
 mod lab_bindings;
 mod lab_discrete;

@@ -13,7 +13,7 @@ const WRITE: &str = "out_vec3f(0u, recorded.radiance); out_u32(3u, recorded.shad
 fn record(steps: &str) -> ([DVec3; 3], [u32; 3]) {
     let function = Function {
         imports: "import package::kernel::sample_record::{
-            record_bsdf_hit, record_camera_hit, record_parts, record_shadow, recorded, start_record};",
+            record_bsdf_hit, record_camera_hit, record_parts, record_shadow, record_way, recorded, start_record};",
         body: &format!("{steps} {WRITE}"),
         outputs: 12,
         ..Function::default()
@@ -35,7 +35,7 @@ fn a_record_begins_with_nothing_traced() {
 #[test]
 fn each_step_notes_its_own_part() {
     let (radiance, met) = record(
-        "start_record(); record_camera_hit(5u); record_shadow(false); record_bsdf_hit(7u);
+        "start_record(); record_camera_hit(0u, 5u); record_shadow(false); record_bsdf_hit(7u);
          record_parts(vec3f(1.0, 2.0, 3.0), vec3f(4.0, 5.0, 6.0));",
     );
     let parts = [
@@ -49,6 +49,26 @@ fn each_step_notes_its_own_part() {
     let (_, met) = record("start_record(); record_shadow(true);");
     assert_eq!(rays(met[0]), [1, 0]);
     assert_eq!(met[1..], [NONE, NOT_TRACED]);
+}
+
+/// The first primitive is noted as it is; with those that follow and the ways between, all is told apart.
+#[test]
+fn further_camera_rays_make_a_hash() {
+    let met = |steps: &str| record(&format!("start_record(); {steps}")).1[1];
+    let first = "record_camera_hit(0u, 5u);";
+    assert_eq!(met(first), 5);
+    assert_eq!(met("record_camera_hit(0u, 5u); record_way(0u);"), 5);
+    let twin = (5 ^ (1_u32 << 30))
+        .wrapping_mul(0x9e37_79b1)
+        .wrapping_add(7);
+    let both = |way: u32, second: u32| {
+        met(&format!(
+            "{first} record_way({way}u); record_camera_hit(1u, {second}u);"
+        ))
+    };
+    assert_eq!(both(1, 7), twin);
+    let others = [both(2, 7), both(1, 8), both(2, 8), both(1, NONE)];
+    assert!(!others.contains(&twin), "{others:?}");
 }
 
 /// As many shadow rays as a camera ray may have.

@@ -34,6 +34,7 @@ fn scene_of(count: u32, seed: u32) -> Scene {
         let triangle = Geometry::Mesh(Mesh {
             positions: vec![corner, corner + u, corner + v],
             triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
         });
         let two_sided = random.uniform() < 0.3;
         let mut lamp = emitter(triangle, random.magnitude(0.1, 100.0), two_sided);

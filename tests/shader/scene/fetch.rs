@@ -7,13 +7,14 @@ use crate::support::{context, floor_pixel};
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
 use direkt::gpu::layout::{
-    KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
-    LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
-    NONE,
+    FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK, KIND_DISK,
+    KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT,
+    LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, NONE, THIN_BIT,
 };
 use direkt::reference::scene::fetch::World;
 use direkt::render::Prepared;
 use direkt::scene::Light;
+use direkt::scene::material::Fresnel;
 use glam::DVec3;
 
 fn item<T>(mut values: impl Iterator<Item = T>, i: usize) -> T {
@@ -76,12 +77,72 @@ fn primitives_come_back() {
 fn materials_come_back() {
     let prepared = every();
     let body = "let m = fetch_material(item);
-                out_vec3f(0u, m.diffuse); out_vec3f(3u, m.f0); out_f32(6u, m.alpha);";
+                out_vec3f(0u, m.diffuse); out_vec3f(3u, m.f0); out_f32(6u, m.alpha); out_f32(7u, m.f90);
+                out_vec3f(8u, m.k); out_u32(11u, m.bits); out_vec3f(12u, m.transmittance); out_f32(15u, m.ior);
+                out_vec3f(16u, m.average);";
     let materials = &prepared.scene.materials;
-    let answers = fetched(&prepared, body, 7, materials.len());
+    let function = Function {
+        imports: "import package::scene::fetch::fetch_material;",
+        body,
+        outputs: 19,
+        features: &[
+            "GLOSSY",
+            "SPECULAR",
+            "REFRACTION",
+            "EXACT_DIELECTRIC",
+            "EXACT_CONDUCTOR",
+        ],
+        ..Function::default()
+    };
+    let answers = call_in(&context(), &prepared, &function, &[], materials.len());
     for (i, material) in materials.iter().enumerate() {
         let p = material.bsdf.parameters();
-        let (f0, alpha) = p.specular.map_or((DVec3::ZERO, 0.0), |s| (s.f0, s.alpha));
+        let (fresnel, alpha) = p.specular.map_or_else(
+            || {
+                let none = Fresnel::Schlick {
+                    f0: DVec3::ZERO,
+                    f90: 0.0,
+                };
+                (none, 0.0)
+            },
+            |s| (s.fresnel, s.alpha),
+        );
+        let (f0, f90, k, kind) = match fresnel {
+            Fresnel::Constant(f) => (f, 0.0, DVec3::ZERO, FRESNEL_CONSTANT),
+            Fresnel::Schlick { f0, f90 } => (f0, f90, DVec3::ZERO, FRESNEL_SCHLICK),
+            Fresnel::Dielectric { .. } => (DVec3::ZERO, 0.0, DVec3::ZERO, FRESNEL_DIELECTRIC),
+            Fresnel::Conductor { eta, k } => (eta, 0.0, k, FRESNEL_CONDUCTOR),
+        };
+        let thin = p.transmission.is_some_and(|t| t.thin);
+        let found = (
+            item(answers.f64(7), i),
+            item(answers.vec3(8), i),
+            item(answers.u32(11), i),
+        );
+        let bits = kind | if thin { THIN_BIT } else { 0 };
+        assert_eq!(found, (f90, rounded(k), bits), "{}", material.name);
+        let through = p.transmission.map_or(DVec3::ZERO, |t| t.transmittance);
+        assert_eq!(
+            item(answers.vec3(12), i),
+            rounded(through),
+            "{}",
+            material.name
+        );
+        if let Fresnel::Dielectric { ior } = fresnel {
+            assert_eq!(
+                item(answers.f64(15), i) as f32,
+                ior as f32,
+                "{}",
+                material.name
+            );
+        }
+        let average = p.specular.map_or(DVec3::ZERO, |s| s.average);
+        assert_eq!(
+            item(answers.vec3(16), i),
+            rounded(average),
+            "{}",
+            material.name
+        );
         assert_eq!(
             item(answers.vec3(0), i),
             rounded(p.diffuse),

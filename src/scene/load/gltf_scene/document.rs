@@ -7,9 +7,13 @@ use gltf::json;
 use std::path::{Path, PathBuf};
 
 /// Extensions that are read; all others are named in a warning, or refused where the file requires them.
-pub(super) const SUPPORTED_EXTENSIONS: [&str; 4] = [
+pub(super) const SUPPORTED_EXTENSIONS: [&str; 8] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];

@@ -4,6 +4,7 @@ use super::document::Document;
 use super::textures::{Named, texture_use};
 use crate::error::InputError;
 use crate::scene::load::texture::{Meaning, Textures};
+use crate::scene::material::DielectricLayer;
 use crate::scene::{Bsdf, Emission, Material, MaterialId, MaterialTextures, NormalMap};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -89,6 +90,7 @@ impl<'a> Materials<'a> {
         for channel in 0..3 {
             base_color[channel] = unit(pbr.base_color_factor.0[channel].into(), "baseColorFactor")?;
         }
+        let layer = dielectric_layer(document, json, &name)?;
         let textures = self.textures_of(json, &name)?;
         let material = Material {
             name: json.name.clone().unwrap_or_else(|| name.clone()),
@@ -96,8 +98,10 @@ impl<'a> Materials<'a> {
                 base_color,
                 metallic: unit(pbr.metallic_factor.0.into(), "metallicFactor")?,
                 roughness: unit(pbr.roughness_factor.0.into(), "roughnessFactor")?,
+                layer,
             },
-            double_sided: json.double_sided,
+            // Light leaves a body of glass through the back of its surface.
+            double_sided: json.double_sided || (layer.transmission > 0.0 && !layer.thin),
             textures,
         };
         let emission = emission(document, json, &name)?;
@@ -139,6 +143,65 @@ impl<'a> Materials<'a> {
 pub(in crate::scene::load) struct FirstIds {
     pub(in crate::scene::load) material: usize,
     pub(in crate::scene::load) texture: usize,
+}
+
+/// The extensions about the dielectric: its index of refraction, its reflectance and what passes through it.
+fn dielectric_layer(
+    document: &Document,
+    json: &gltf::json::Material,
+    name: &str,
+) -> Result<DielectricLayer, InputError> {
+    let mut layer = DielectricLayer::default();
+    let Some(extensions) = &json.extensions else {
+        return Ok(layer);
+    };
+    let check = |holds: bool, value: f64, what: &str, expected: &str| {
+        let field = || format!("{name}.extensions.{what}");
+        holds
+            .then_some(value)
+            .ok_or_else(|| document.error(field(), format!("is {value}"), expected))
+    };
+    let unit = |value: f32, what: &str| {
+        let value = f64::from(value);
+        check(
+            (0.0..=1.0).contains(&value),
+            value,
+            what,
+            "a number from 0 to 1",
+        )
+    };
+    if let Some(ior) = &extensions.ior {
+        // 0 stands for full reflection.
+        let value = f64::from(ior.ior.0);
+        let holds = value == 0.0 || (1.0..=1000.0).contains(&value);
+        let expected = "an index of refraction from 1 to 1000, or 0";
+        layer.ior = check(holds, value, "KHR_materials_ior.ior", expected)?;
+    }
+    if let Some(specular) = &extensions.specular {
+        let what = "KHR_materials_specular.specularFactor";
+        layer.specular = unit(specular.specular_factor.0, what)?;
+        for channel in 0..3 {
+            let value = f64::from(specular.specular_color_factor.0[channel]);
+            let what = "KHR_materials_specular.specularColorFactor";
+            let holds = value.is_finite() && value >= 0.0;
+            layer.specular_color[channel] =
+                check(holds, value, what, "a finite number, not negative")?;
+        }
+    }
+    if let Some(transmission) = &extensions.transmission {
+        let what = "KHR_materials_transmission.transmissionFactor";
+        layer.transmission = unit(transmission.transmission_factor.0, what)?;
+        check(
+            layer.transmission <= 0.0 || layer.ior >= 1.0,
+            layer.ior,
+            "KHR_materials_ior.ior",
+            "at least 1 beside KHR_materials_transmission",
+        )?;
+    }
+    if let Some(volume) = &extensions.volume {
+        layer.thin = volume.thickness_factor.0 <= 0.0;
+    }
+    Ok(layer)
 }
 
 /// Emissive factor times strength; the back of a double-sided material emits as well.
@@ -184,6 +247,7 @@ fn default_material() -> Material {
             base_color: DVec3::ONE,
             metallic: 1.0,
             roughness: 1.0,
+            layer: DielectricLayer::default(),
         },
         double_sided: false,
         textures: MaterialTextures::default(),

@@ -20,6 +20,7 @@ pub(super) fn warnings(
     let file = document.file_name();
     let mut warnings = Vec::new();
     material_warnings(document, materials, &mut warnings);
+    extension_warnings(document, materials, &mut warnings);
     warnings.append(&mut geometry_warnings(document, placed));
     camera_and_light_warnings(document, placed, &mut warnings);
     let root = &document.root;
@@ -182,6 +183,59 @@ fn material_warnings(document: &Document, materials: &Materials, warnings: &mut 
             ));
         }
     }
+}
+
+/// What materials' extensions ask for beyond what is simulated.
+fn extension_warnings(document: &Document, materials: &Materials, warnings: &mut Vec<String>) {
+    type Uses = fn(&Material) -> bool;
+    let parts: [(&str, Uses, &str); 3] = [
+        (
+            "KHR_materials_transmission",
+            |m| {
+                let pbr = &m.pbr_metallic_roughness;
+                let rough = pbr.roughness_factor.0 > 0.0 && pbr.metallic_factor.0 < 1.0;
+                rough && transmission(m).is_some_and(|t| t.transmission_factor.0 > 0.0)
+            },
+            "roughness is ignored, the glass is smooth",
+        ),
+        (
+            "KHR_materials_transmission, KHR_materials_specular",
+            |m| {
+                let specular = m.extensions.as_ref().and_then(|e| e.specular.as_ref());
+                let texture = specular.is_some_and(|s| {
+                    s.specular_texture.is_some() || s.specular_color_texture.is_some()
+                });
+                texture || transmission(m).is_some_and(|t| t.transmission_texture.is_some())
+            },
+            "textures are ignored, factors are used",
+        ),
+        (
+            "KHR_materials_volume",
+            |m| {
+                let volume = m.extensions.as_ref().and_then(|e| e.volume.as_ref());
+                volume.is_some_and(|v| {
+                    v.attenuation_distance.0.is_finite() || v.thickness_texture.is_some()
+                })
+            },
+            "attenuation and thickness textures are ignored, light is refracted but not absorbed",
+        ),
+    ];
+    let file = document.file_name();
+    for (extension, uses, consequence) in parts {
+        let used = materials.used_indices();
+        let used = used.filter_map(|i| document.root.materials.get(i));
+        let count = used.filter(|m| uses(m)).count();
+        if count > 0 {
+            let s = if count == 1 { "" } else { "s" };
+            warnings.push(format!(
+                "{file}: {extension} of {count} material{s}: {consequence}"
+            ));
+        }
+    }
+}
+
+fn transmission(material: &Material) -> Option<&json::extensions::material::Transmission> {
+    material.extensions.as_ref()?.transmission.as_ref()
 }
 
 fn camera_and_light_warnings(document: &Document, placed: &[Placed], warnings: &mut Vec<String>) {

@@ -1,14 +1,14 @@
 //! What the tables of a scene file mean.
 
-use super::format::{CameraTable, FilmTable, GltfTable, MaterialKind, MaterialTable, SceneFile};
+use super::format::{CameraTable, FilmTable, GltfTable, SceneFile};
 use super::format_shapes::TransformStep;
-use super::{expect, lights, shapes, textures};
+use super::{expect, lights, materials as material_tables, shapes, textures};
 use crate::error::InputError;
 use crate::scene::load::files::{self, Folders};
 use crate::scene::load::gltf_scene::FirstIds;
 use crate::scene::load::texture::Textures;
 use crate::scene::load::{frame, gltf_scene, transform};
-use crate::scene::{Bsdf, Camera, FilmSize, Material, MaterialId, MaterialTextures, Scene};
+use crate::scene::{Camera, FilmSize, MaterialId, Scene};
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -52,7 +52,8 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
     for (name, table) in file.materials {
         let id = MaterialId(u32::try_from(materials.len()).expect("fewer than 2³² materials"));
         let maps = textures::of_material(&context, &name, &table.textures, &mut textures)?;
-        materials.push(material(name.clone(), &table, maps));
+        let material = material_tables::material(&context, name.clone(), &table, maps)?;
+        materials.push(material);
         context.material_ids.insert(name, id);
     }
     let (mut textures, mut of_textures) = textures.into_parts();
@@ -178,29 +179,6 @@ fn affine(rows: &[[f64; 4]; 4]) -> Option<DAffine3> {
     let matrix = DMat4::from_cols_array_2d(rows).transpose();
     let last = matrix.row(3) - glam::DVec4::W;
     (last.abs().max_element() <= 0.0).then(|| DAffine3::from_mat4(matrix))
-}
-
-fn material(name: String, table: &MaterialTable, textures: MaterialTextures) -> Material {
-    let bsdf = match &table.kind {
-        MaterialKind::Lambert(t) => Bsdf::Lambert {
-            reflectance: DVec3::from_array(t.reflectance.0),
-        },
-        MaterialKind::Conductor(t) => Bsdf::Conductor {
-            reflectance: DVec3::from_array(t.reflectance.0),
-            alpha: t.alpha,
-        },
-        MaterialKind::MetallicRoughness(t) => Bsdf::MetallicRoughness {
-            base_color: DVec3::from_array(t.base_color.0),
-            metallic: t.metallic,
-            roughness: t.roughness,
-        },
-    };
-    Material {
-        name,
-        bsdf,
-        double_sided: table.double_sided,
-        textures,
-    }
 }
 
 fn include(

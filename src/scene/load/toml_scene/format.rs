@@ -1,12 +1,12 @@
 //! The types of a scene file. Their doc comments are the descriptions in the JSON Schema.
 
 use crate::scene::RenderSettings;
-use crate::scene::Wrap;
 use crate::scene::light::Interpolation;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
+use super::format_materials::MaterialTable;
 use super::format_shapes::{ShapeTable, TransformStep, one};
 
 /// A direkt scene: camera, film, materials, shapes, lights, environment and settings.
@@ -97,108 +97,6 @@ enum RgbSpelling {
 #[derive(Debug, Clone, Copy, PartialEq, JsonSchema)]
 #[schemars(transparent)]
 pub(super) struct Rgb(#[schemars(with = "RgbSpelling")] pub(super) [f64; 3]);
-
-/// A material.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MaterialTable {
-    /// How it scatters.
-    #[schemars(flatten)]
-    pub(super) kind: MaterialKind,
-    /// Whether the back of the surface scatters like its front; with false it does not exist and rays pass through.
-    #[serde(default = "yes")]
-    pub(super) double_sided: bool,
-    /// What varies over the surface: a rectangle's image lies with its upper left corner at v = 1, a disk shows the largest
-    /// ellipse of it, a mesh has texture coordinates; spheres have none.
-    #[serde(default)]
-    pub(super) textures: TexturesTable,
-}
-
-/// The textures of a material.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct TexturesTable {
-    /// Factor on `reflectance` or `base_color`.
-    pub(super) color: Option<TextureTable>,
-    /// Factors on `roughness` (green) and `metallic` (blue).
-    pub(super) metallic_roughness: Option<TextureTable>,
-    /// A normal map: tangent-space normals, 2·rgb − 1, x along growing u and y up in the image.
-    pub(super) normal: Option<TextureTable>,
-    /// Factor on x and y of the normal map; 1 when left out.
-    pub(super) normal_scale: Option<f64>,
-}
-
-/// A texture.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct TextureTable {
-    /// An image in .png, .jpg, .hdr or .exr. Of a `color` 8 and 16 bits are sRGB, floats linear.
-    pub(super) file: String,
-    /// What lies outside of the image, along u and v.
-    #[serde(default)]
-    pub(super) wrap: [Wrap; 2],
-    /// What lies between texel centres.
-    #[serde(default = "linear")]
-    pub(super) interpolation: Interpolation,
-    /// How often the image repeats over the surface, along u and v.
-    #[serde(default = "once")]
-    pub(super) repeat: [f64; 2],
-}
-
-fn linear() -> Interpolation {
-    Interpolation::Linear
-}
-
-fn once() -> [f64; 2] {
-    [1.0; 2]
-}
-
-fn yes() -> bool {
-    true
-}
-
-/// How a material scatters.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-#[schemars(tag = "type")]
-pub(super) enum MaterialKind {
-    /// Ideal diffuse reflection.
-    Lambert(LambertTable),
-    /// A rough conductor: GGX microfacets with Schlick's Fresnel.
-    Conductor(ConductorTable),
-    /// glTF 2.0's metallic-roughness model.
-    MetallicRoughness(MetallicRoughnessTable),
-}
-
-/// Ideal diffuse reflection.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LambertTable {
-    /// Albedo, each channel from 0 to 1.
-    pub(super) reflectance: Rgb,
-}
-
-/// A rough conductor.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ConductorTable {
-    /// Reflectance at normal incidence (F0), each channel from 0 to 1.
-    pub(super) reflectance: Rgb,
-    /// GGX width, above 0 and up to 1.
-    pub(super) alpha: f64,
-}
-
-/// glTF 2.0's metallic-roughness model.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MetallicRoughnessTable {
-    /// Base colour, each channel from 0 to 1.
-    pub(super) base_color: Rgb,
-    /// 0 (dielectric) to 1 (metal).
-    pub(super) metallic: f64,
-    /// Perceptual roughness, 0 to 1; the GGX width is its square.
-    pub(super) roughness: f64,
-}
 
 /// A glTF file to include.
 #[derive(Debug, Deserialize, JsonSchema)]

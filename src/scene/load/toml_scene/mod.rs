@@ -1,11 +1,14 @@
-//! The TOML scene format: what a file may say is in [`mod@format`] and [`format_shapes`], how its text becomes those types in [`parse`], and
-//! what they mean in [`build`] and [`shapes`].
+//! The TOML scene format: what a file may say is in [`mod@format`], [`format_materials`] and [`format_shapes`], how its text
+//! becomes those types in [`parse`], and what they mean in [`build`], [`mod@materials`] and [`shapes`].
 
 mod build;
 mod expect;
 mod format;
+mod format_materials;
 mod format_shapes;
+mod format_textures;
 mod lights;
+mod materials;
 mod parse;
 mod shapes;
 mod textures;

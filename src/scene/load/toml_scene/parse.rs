@@ -76,7 +76,9 @@ fn tag(
 
 fn known_types(list: &str) -> &'static str {
     match list {
-        "materials" => "type = \"lambert\", \"conductor\" or \"metallic-roughness\"",
+        "materials" => {
+            "type = \"lambert\", \"mirror\", \"dielectric\", \"conductor\", \"plastic\" or \"metallic-roughness\""
+        }
         "shapes" => "type = \"rectangle\", \"box\", \"sphere\", \"disk\" or \"mesh\"",
         _ => "type = \"point\", \"spot\" or \"directional\"",
     }

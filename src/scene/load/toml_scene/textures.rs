@@ -1,7 +1,7 @@
 //! The `textures` of a material.
 
 use super::build::Context;
-use super::format::{TextureTable, TexturesTable};
+use super::format_textures::{TextureTable, TexturesTable};
 use crate::error::InputError;
 use crate::scene::load::files;
 use crate::scene::load::texture::{Meaning, Textures};

@@ -1,6 +1,6 @@
 //! Densities and albedos of sampled directions.
 
-use super::{conductor, diffuse, drawn, plastic};
+use super::{coated, compensated, conductor, diffuse, drawn, metal, plastic};
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::direction;
 use crate::support::rounding::U;
@@ -39,6 +39,10 @@ fn sampled_cases() -> Vec<(BsdfParameters, f64)> {
         (plastic(0.6, 0.04, 0.25), 30.0),
         (plastic(0.6, 0.04, 0.5), 85.0),
         (diffuse(1.0), 45.0),
+        (metal(0.3), 60.0),
+        (coated(0.6, 0.3), 60.0),
+        (compensated(conductor(DVec3::ONE, 1.0)), 30.0),
+        (compensated(metal(0.5)), 75.0),
     ]
 }
 

@@ -1,6 +1,9 @@
 //! Values and samples, one by one.
 
-use super::{IMPORTS, lobe_error, material_words, materials, plastic};
+use super::{
+    COMPENSATED, FEATURES, IMPORTS, MATERIAL, WORDS, compensated, lobe_error, material_words,
+    materials, plastic,
+};
 use crate::hard_cases::worst;
 use crate::shader::bsdf::ggx::sample_bound;
 use crate::support::hard_cases::{Measured, survive};
@@ -9,14 +12,28 @@ use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call, words};
 use crate::support::{context, edge_points};
 use direkt::reference::bsdf::bsdf::{eval_bsdf, sample_bsdf, specular_share};
+use direkt::reference::bsdf::compensation::{
+    compensation_fresnel, ggx_albedo_deficit, ggx_average_deficit,
+};
+use direkt::scene::material::{BsdfParameters, SpecularLobe};
 use glam::{DVec2, DVec3};
 
 #[test]
 fn bsdf_values_are_the_twins() {
+    values_are_the_twins(materials(), FEATURES);
+}
+
+#[test]
+fn compensated_values_are_the_twins() {
+    let all = materials().into_iter().map(compensated).collect();
+    values_are_the_twins(all, COMPENSATED);
+}
+
+fn values_are_the_twins(materials: Vec<BsdfParameters>, features: &'static [&'static str]) {
     let context = context();
     let degrees = [0.0, 30.0, 60.0, 80.0, 89.0, 89.99, 90.5];
     let mut cases = Vec::new();
-    for m in materials() {
+    for m in materials {
         for i in degrees {
             for o in degrees {
                 for azimuth in [0.0, 2.0, std::f64::consts::PI] {
@@ -27,14 +44,16 @@ fn bsdf_values_are_the_twins() {
     }
     let function = Function {
         imports: IMPORTS,
-        body: "let m = Material(in_vec3f(0u), in_vec3f(3u), in_f32(6u));
-               let value = eval_bsdf(m, in_vec3f(7u), in_vec3f(10u));
+        body: &format!(
+            "{MATERIAL}
+               let value = eval_bsdf(m, in_vec3f(16u), in_vec3f(19u));
                out_vec3f(0u, value.f_cos);
                out_f32(3u, value.pdf.value);
-               out_f32(4u, specular_share(m, max(in_f32(12u), 0.0)));",
-        inputs: 13,
+               out_f32(4u, specular_share(m, max(in_f32(21u), 0.0)));"
+        ),
+        inputs: WORDS + 6,
         outputs: 5,
-        features: &["GLOSSY"],
+        features,
     };
     let inputs: Vec<f64> = cases
         .iter()
@@ -60,28 +79,45 @@ fn bsdf_values_are_the_twins() {
         let error = m
             .specular
             .map_or(16.0 * U, |s| lobe_error(s.alpha, *wi, *wo));
-        // 1 − F of the diffuse lobe is known absolutely.
-        let absolute = 32.0 * U * wi.z.max(0.0);
+        // 1 − F of the diffuse lobe is known absolutely; under a coat it is one of two factors. The deficits of the
+        // compensation are sums of terms of up to 69.
+        let absolute = 64.0 * U * wi.z.max(0.0);
+        let of_lobe = m
+            .specular
+            .map_or(DVec3::ZERO, |s| compensation_error(&s, wi.z, wo.z));
         let off = (f_cos - expected.f_cos).abs();
         assert!(
-            off.cmple(error * expected.f_cos + absolute * m.diffuse)
+            off.cmple(error * expected.f_cos + absolute * m.diffuse + of_lobe)
                 .all(),
             "{what}: {f_cos}, not {}: {error:.1e}",
             expected.f_cos
         );
+        // The share, which mixes the densities, has the compensation's error.
+        let share_error = 4e-5 * f64::from(u32::from(m.specular.is_some_and(|s| s.compensated)));
         assert!(
-            (pdf - expected.pdf.0).abs() <= error * expected.pdf.0,
+            (pdf - expected.pdf.0).abs() <= (error + 64.0 * share_error) * expected.pdf.0,
             "{what}: {pdf}, not {:?}",
             expected.pdf
         );
         if let Some(lobe) = &m.specular {
             let expected = specular_share(m.diffuse, lobe, wo.z.max(0.0));
             assert!(
-                close(share, expected, 64.0),
+                close(share, expected, 64.0) || (share - expected).abs() <= share_error,
                 "{what}: {share}, not {expected}"
             );
         }
     }
+}
+
+/// Absolute error of the compensation's f_r cosθ: 2⁻²⁴ of the terms of a deficit, which add up to 200 at most and have up to
+/// 12 roundings, times t(1 − t) ≤ 1/4, times the other deficit over π(1 − Ē).
+fn compensation_error(lobe: &SpecularLobe, cos_i: f64, cos_o: f64) -> DVec3 {
+    if cos_i <= 0.0 || cos_o <= 0.0 {
+        return DVec3::ZERO;
+    }
+    let deficits = ggx_albedo_deficit(cos_i, lobe.alpha) + ggx_albedo_deficit(cos_o, lobe.alpha);
+    let scale = deficits / (std::f64::consts::PI * ggx_average_deficit(lobe.alpha));
+    compensation_fresnel(lobe) * (12.0 * 200.0 * 0.25 * U * scale * cos_i)
 }
 
 /// Directions that leave the horizon, and weights: with F ≤ 1 a conductor's weight F·G2/G1 and a Lambert's albedo are in
@@ -91,14 +127,16 @@ fn bsdf_samples_are_finite_and_in_range() {
     let context = context();
     let function = Function {
         imports: IMPORTS,
-        body: "let m = Material(in_vec3f(0u), in_vec3f(3u), in_f32(6u));
-               let s = sample_bsdf(m, in_vec3f(7u), in_f32(10u), in_vec2f(11u));
+        body: &format!(
+            "{MATERIAL}
+               let s = sample_bsdf(m, in_vec3f(16u), in_f32(19u), in_vec2f(20u));
                out_vec3f(0u, s.wi);
                out_vec3f(3u, s.weight);
-               out_f32(6u, s.pdf.value);",
-        inputs: 13,
+               out_f32(6u, s.pdf.value);"
+        ),
+        inputs: WORDS + 6,
         outputs: 7,
-        features: &["GLOSSY"],
+        features: FEATURES,
     };
     let mut cases = Vec::new();
     let points = edge_points();
@@ -174,14 +212,16 @@ fn the_bsdf_is_reciprocal() {
     );
     let function = Function {
         imports: &imports,
-        body: "let m = Material(in_vec3f(0u), in_vec3f(3u), in_f32(6u));
-               let a = in_vec3f(7u); let b = in_vec3f(10u);
+        body: &format!(
+            "{MATERIAL}
+               let a = in_vec3f(16u); let b = in_vec3f(19u);
                out_vec3f(0u, eval_bsdf(m, a, b).f_cos / a.z);
                out_vec3f(3u, eval_bsdf(m, b, a).f_cos / b.z);
-               out_vec2f(6u, vec2f(one_sided(m, a, b), one_sided(m, b, a)));",
-        inputs: 13,
+               out_vec2f(6u, vec2f(one_sided(m, a, b), one_sided(m, b, a)));"
+        ),
+        inputs: WORDS + 6,
         outputs: 8,
-        features: &["GLOSSY"],
+        features: COMPENSATED,
     };
     let random = |item: u32, stream: u32| {
         let [u, v, choice, _] = numbers(item, stream, 16);
@@ -194,7 +234,7 @@ fn the_bsdf_is_reciprocal() {
         let turns = [0.0, std::f64::consts::PI + 1e-3 * (off - 0.5)];
         turns.map(|turn| direction(89.9, std::f64::consts::TAU * azimuth + turn))
     };
-    let all = materials();
+    let all: Vec<_> = materials().into_iter().map(compensated).collect();
     let cases: Vec<_> = (0..10_000)
         .map(|i| {
             let [a, b] = match i % 8 {
@@ -242,11 +282,13 @@ fn the_lobe_is_chosen_at_its_share() {
     let share = specular_share(m.diffuse, m.specular.as_ref().unwrap(), wo.z);
     let function = Function {
         imports: IMPORTS,
-        body: "let m = Material(in_vec3f(0u), in_vec3f(3u), in_f32(6u));
-               out_vec3f(0u, sample_bsdf(m, in_vec3f(7u), in_f32(10u), in_vec2f(11u)).wi);",
-        inputs: 13,
+        body: &format!(
+            "{MATERIAL}
+               out_vec3f(0u, sample_bsdf(m, in_vec3f(16u), in_f32(19u), in_vec2f(20u)).wi);"
+        ),
+        inputs: WORDS + 6,
         outputs: 3,
-        features: &["GLOSSY"],
+        features: FEATURES,
     };
     let u = DVec2::new(0.375, 0.625);
     let lobes = [0.0, share - 64.0 * U, share + 64.0 * U, 1.0 - U];

@@ -1,0 +1,172 @@
+//! Checks of materials.
+
+use crate::error::InputError;
+use crate::scene::material::DielectricLayer;
+use crate::scene::{Bsdf, Material};
+use glam::DVec3;
+use std::path::Path;
+
+/// Largest index of refraction.
+const MAX_INDEX: f64 = 1000.0;
+
+type Outcome = Result<(), InputError>;
+
+/// One material of a file.
+struct Check<'a> {
+    file: &'a Path,
+    name: &'a str,
+}
+
+/// Checks that `material` reads textures that exist, `count` of them, and that mean something for it.
+pub(super) fn textures(file: &Path, material: &Material, count: usize) -> Outcome {
+    let maps = &material.textures;
+    let error = |key: &str, problem: String, expected: &str| {
+        let field = format!("materials.{}.textures{key}", material.name);
+        Err(InputError::new(file, field, problem, expected))
+    };
+    for texture in maps.uses() {
+        if texture.texture.index() >= count {
+            let problem = format!("is texture {} of {count}", texture.texture.0);
+            return error("", problem, "an index into the scene's textures");
+        }
+        if !texture.transform.is_finite() {
+            let problem = format!("are repeated {} times", texture.transform.matrix2);
+            return error("", problem, "finite numbers");
+        }
+    }
+    let scale = maps.normal.map_or(1.0, |map| map.scale);
+    if !scale.is_finite() {
+        return error(".normal_scale", format!("is {scale}"), "a finite number");
+    }
+    let metal = matches!(material.bsdf, Bsdf::Metal { .. });
+    if metal && maps.color.is_some() {
+        let problem = "colours a metal that is given by its index of refraction".to_owned();
+        return error(".color", problem, "a conductor with a `reflectance`");
+    }
+    let model = matches!(material.bsdf, Bsdf::MetallicRoughness { .. });
+    if !model && maps.metallic_roughness.is_some() {
+        let problem = "varies a material that has no metallic and roughness".to_owned();
+        return error(
+            ".metallic_roughness",
+            problem,
+            "a material of type \"metallic-roughness\"",
+        );
+    }
+    Ok(())
+}
+
+/// Checks that every number of `material` is in its domain.
+pub(super) fn check(file: &Path, material: &Material) -> Outcome {
+    let check = Check {
+        file,
+        name: &material.name,
+    };
+    match material.bsdf {
+        Bsdf::Lambert { reflectance } | Bsdf::Mirror { reflectance } => {
+            check.colour(reflectance, "reflectance")
+        }
+        Bsdf::Dielectric {
+            ior,
+            transmittance,
+            thin,
+        } => {
+            let holds = (1.0 / MAX_INDEX..=MAX_INDEX).contains(&ior) && (ior >= 1.0 || !thin);
+            let expected =
+                "the index inside over that outside, 0.001 to 1000, of a thin pane from 1";
+            check.require(holds, "ior", ior, expected)?;
+            check.colour(transmittance, "transmittance")?;
+            check.both_sides(material.double_sided || thin)
+        }
+        Bsdf::Conductor { reflectance, alpha } => {
+            check.colour(reflectance, "reflectance")?;
+            check.number(alpha, "alpha")
+        }
+        Bsdf::Metal { eta, k, alpha } => {
+            let positive = eta.cmpgt(DVec3::ZERO).all() && eta.cmple(DVec3::splat(MAX_INDEX)).all();
+            let expected = "each channel above 0 and up to 1000";
+            check.require(positive, "eta", eta, expected)?;
+            let valid = k.cmpge(DVec3::ZERO).all() && k.cmple(DVec3::splat(MAX_INDEX)).all();
+            check.require(valid, "k", k, "each channel from 0 to 1000")?;
+            check.number(alpha, "alpha")
+        }
+        Bsdf::Plastic {
+            reflectance,
+            ior,
+            alpha,
+        } => {
+            check.colour(reflectance, "reflectance")?;
+            check.ior(ior, "ior")?;
+            check.number(alpha, "alpha")
+        }
+        Bsdf::MetallicRoughness {
+            base_color,
+            metallic,
+            roughness,
+            layer,
+        } => {
+            check.colour(base_color, "base_color")?;
+            check.number(metallic, "metallic")?;
+            check.number(roughness, "roughness")?;
+            check.layer(&layer)?;
+            let solid = layer.transmission > 0.0 && metallic < 1.0 && !layer.thin;
+            check.both_sides(material.double_sided || !solid)
+        }
+    }
+}
+
+impl Check<'_> {
+    fn require(
+        &self,
+        holds: bool,
+        key: &str,
+        value: impl std::fmt::Display,
+        expected: &str,
+    ) -> Outcome {
+        if holds {
+            return Ok(());
+        }
+        let field = format!("materials.{}.{key}", self.name);
+        Err(InputError::new(
+            self.file,
+            field,
+            format!("is {value}"),
+            expected,
+        ))
+    }
+
+    fn colour(&self, value: DVec3, key: &str) -> Outcome {
+        let holds = value.cmpge(DVec3::ZERO).all() && value.cmple(DVec3::ONE).all();
+        self.require(holds, key, value, "each channel from 0 to 1")
+    }
+
+    fn number(&self, value: f64, key: &str) -> Outcome {
+        let holds = (0.0..=1.0).contains(&value);
+        self.require(holds, key, value, "a number from 0 to 1")
+    }
+
+    fn ior(&self, value: f64, key: &str) -> Outcome {
+        let holds = (1.0..=MAX_INDEX).contains(&value);
+        self.require(holds, key, value, "an index of refraction from 1 to 1000")
+    }
+
+    fn layer(&self, layer: &DielectricLayer) -> Outcome {
+        if layer.ior != 0.0 || layer.transmission > 0.0 {
+            self.ior(layer.ior, "ior")?;
+        }
+        self.number(layer.specular, "specular")?;
+        let colour = layer.specular_color;
+        let holds = colour.is_finite() && colour.cmpge(DVec3::ZERO).all();
+        self.require(
+            holds,
+            "specular_color",
+            colour,
+            "finite numbers, not negative",
+        )?;
+        self.number(layer.transmission, "transmission")
+    }
+
+    fn both_sides(&self, holds: bool) -> Outcome {
+        let expected = "true: light leaves a body of glass through the back of its surface";
+        self.require(holds, "double_sided", false, expected)
+    }
+}
