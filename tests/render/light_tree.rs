@@ -23,7 +23,7 @@ const SELECTIONS: [LightSelection; 4] = [
     LightSelection::All,
 ];
 
-/// Lamps of all sizes around the point, looking down and aside, so that BSDF sampling finds them as well.
+/// Lamps of all sizes around the point, looking at it, so that BSDF sampling finds them as well.
 fn lamps() -> Scene {
     let mut scene = floor_pixel();
     for i in 0..12 {
@@ -32,8 +32,8 @@ fn lamps() -> Scene {
         let around = DVec3::new(cos, sin, 0.0);
         let lamp = Geometry::Rectangle {
             corner: (0.6 + 0.15 * f64::from(i)) * around + DVec3::new(0.0, 0.0, 0.8),
-            u: size * DVec3::new(-sin, cos, 0.0),
-            v: size * DVec3::new(cos, sin, 1.0).normalize(),
+            u: size * DVec3::new(sin, -cos, 0.0),
+            v: size * DVec3::new(-cos, -sin, 1.0).normalize(),
         };
         let lamp = emitter(lamp, 1.0 + f64::from(i % 3), i % 4 == 0);
         scene.shapes.push(lamp);
@@ -65,11 +65,11 @@ fn a_tree_with_a_mistake_is_found_out() {
             |tree| tree.trails.fill(0),
         ),
         (
-            "axes of the cones turned round",
+            "light emitted along the normals alone",
             Strategy::LightSolidAngle,
             |tree| {
                 for child in tree.nodes.iter_mut().flat_map(|node| &mut node[..2]) {
-                    child[2] = !child[2];
+                    child[3] |= 0x7fff_0000;
                 }
             },
         ),
