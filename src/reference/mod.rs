@@ -7,7 +7,7 @@
 //! - [`exact`]: closed forms and quadrature with an error bound.
 //!
 //! What the twin does share with the renderer is the host's part of a scene: the parsed file, the normalisation, the
-//! list of lights with their selection probabilities. Mistakes there are caught by exact values alone.
+//! list of lights with their selection probabilities, the light tree. Mistakes there are caught by exact values alone.
 
 pub mod broken;
 pub mod bsdf;

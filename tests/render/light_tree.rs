@@ -23,7 +23,7 @@ const SELECTIONS: [LightSelection; 4] = [
     LightSelection::All,
 ];
 
-/// Lamps of all sizes around the point, looking down and aside, so that BSDF sampling finds them as well.
+/// Lamps of all sizes around the point, looking at it, so that BSDF sampling finds them as well.
 fn lamps() -> Scene {
     let mut scene = floor_pixel();
     for i in 0..12 {
@@ -32,8 +32,8 @@ fn lamps() -> Scene {
         let around = DVec3::new(cos, sin, 0.0);
         let lamp = Geometry::Rectangle {
             corner: (0.6 + 0.15 * f64::from(i)) * around + DVec3::new(0.0, 0.0, 0.8),
-            u: size * DVec3::new(-sin, cos, 0.0),
-            v: size * DVec3::new(cos, sin, 1.0).normalize(),
+            u: size * DVec3::new(sin, -cos, 0.0),
+            v: size * DVec3::new(-cos, -sin, 1.0).normalize(),
         };
         let lamp = emitter(lamp, 1.0 + f64::from(i % 3), i % 4 == 0);
         scene.shapes.push(lamp);
@@ -50,31 +50,39 @@ fn with_tree(mut prepared: Prepared, change: impl Fn(&mut LightTree)) -> Prepare
     prepared
 }
 
-/// The probability that MIS asks for, and the cones by which lights are left out, decide on the mean.
+/// What makes a tree wrong.
+type Mistake = fn(&mut LightTree);
+
+/// The probability that MIS asks for decides on the mean; and the cones by which lights are left out, where no BSDF sampling
+/// stands in for them.
 #[test]
 fn a_tree_with_a_mistake_is_found_out() {
     let context = context();
-    let make = || Prepared::new(lamps(), Strategy::MisPower, LightSelection::Tree);
-    let honest = make();
-    let gpu = recorded_film(&context, &honest, (FILM, 200, 256), Part::Reflected);
-    let twin = |prepared: &Prepared| twin_film(prepared, (FILM, 201, 128), Part::Reflected, None);
-    let what = format!("light tree, {}", context.adapter.name);
-    accept_means(same_means(&gpu, &twin(&honest)), &what);
-    let mistakes: [(&str, fn(&mut LightTree)); 2] = [
-        ("every light asked for as the first", |tree| {
-            tree.trails.fill(0);
-        }),
-        ("axes of the cones turned round", |tree| {
-            for child in tree.nodes.iter_mut().flat_map(|node| &mut node[..2]) {
-                child[2] = !child[2];
-            }
-        }),
+    let mistakes: [(&str, Strategy, Mistake); 2] = [
+        (
+            "every light asked for as the first",
+            Strategy::MisPower,
+            |tree| tree.trails.fill(0),
+        ),
+        (
+            "light emitted along the normals alone",
+            Strategy::LightSolidAngle,
+            |tree| {
+                for child in tree.nodes.iter_mut().flat_map(|node| &mut node[..2]) {
+                    child[3] |= 0x7fff_0000;
+                }
+            },
+        ),
     ];
-    for (mistake, make_it) in mistakes {
-        let broken = with_tree(make(), make_it);
-        let p = same_means(&gpu, &twin(&broken))
-            .into_iter()
-            .fold(1.0, f64::min);
+    for (mistake, strategy, make_it) in mistakes {
+        let make = || Prepared::new(lamps(), strategy, LightSelection::Tree);
+        let honest = make();
+        let gpu = recorded_film(&context, &honest, (FILM, 200, 256), Part::Reflected);
+        let twin = |p: &Prepared| twin_film(p, (FILM, 201, 128), Part::Reflected, None);
+        let what = format!("light tree, {strategy}, {}", context.adapter.name);
+        accept_means(same_means(&gpu, &twin(&honest)), &what);
+        let broken = twin(&with_tree(make(), make_it));
+        let p = same_means(&gpu, &broken).into_iter().fold(1.0, f64::min);
         statistics::reject(p, &format!("{what}, {mistake}"));
     }
 }

@@ -53,8 +53,8 @@ pub struct LightBounds {
     pub low: DVec3,
     /// Upper corner.
     pub high: DVec3,
-    /// Sum of their radiant intensities (luminance), each in the direction in which it is largest. pbrt has power here; but
-    /// what arrives at a point from a lamp of either kind is its intensity over d².
+    /// Sum of their radiant intensities (luminance), each in the direction in which it is largest: what arrives at a point
+    /// from a lamp of any kind is that over d². pbrt-4 takes 4π times as much of point lights.
     pub intensity: f64,
     /// Their normals, or the axes around which they shine with full intensity: θ_o is its angle.
     pub normals: Cone,

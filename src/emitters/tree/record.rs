@@ -7,7 +7,7 @@
 //! | 1 | centre z: 16 bits; radius of the sphere: the upper 16 bits of an f32, rounded up |
 //! | 2 | axis: 16 bits for each octahedral coordinate |
 //! | 3 | cosθ_o: 16 bits over [−1, 1]; cosθ_e: 15 bits over [0, 1]; two-sided: 1 bit |
-//! | 4 | half size of the box: of x, y, z each 5 bits k for the radius times 2^(−k/2); 1 bit unused; intensity, of all lights 1: the upper 16 bits of an f32 |
+//! | 4 | half size of the box: x, y, z as 5 bits k each, for radius · 2^(−k/2); intensity, of all lights 1: the upper half of an f32 |
 //! | 5 | reference: a node, or a light with `TREE_LEAF` |
 //!
 //! A node's first 16 bytes are words 0 to 3 of the left child, then those of the right, then words 4 of both and words 5
