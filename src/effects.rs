@@ -104,6 +104,12 @@ effects! {
     SobolSampler "SAMPLER_SOBOL" "sobol-sampler",
     /// Random numbers by Sobol's sequence, shared by neighbouring pixels.
     BlueNoiseSampler "SAMPLER_BLUE_NOISE" "blue-noise-sampler",
+    /// A lens with an extent.
+    DepthOfField "DEPTH_OF_FIELD" "depth-of-field",
+    /// A camera whose rays are parallel.
+    Orthographic "ORTHOGRAPHIC" "orthographic",
+    /// Pixels that show something else than their own squares.
+    PixelFilter "PIXEL_FILTER" "pixel-filter",
 }
 
 impl Effect {
@@ -164,6 +170,7 @@ pub fn called_for(
     strategy: Strategy,
 ) -> Effects {
     let mut effects = Effects::default();
+    of_camera(&mut effects, scene);
     of_surfaces(&mut effects, scene, primitives);
     let sampled = |index: usize| emitters.probability(index) > 0.0;
     for (index, light) in emitters.lights.iter().enumerate() {
@@ -185,6 +192,35 @@ pub fn called_for(
         effects.call_for(effect, || format!("sampler {sampler}"));
     }
     effects
+}
+
+fn of_camera(effects: &mut Effects, scene: &Scene) {
+    let further = [
+        (Effect::DepthOfField, depth_of_field(scene)),
+        (Effect::Orthographic, orthographic(scene)),
+        (Effect::PixelFilter, pixel_filter(scene)),
+    ];
+    for (effect, reason) in further {
+        if let Some(reason) = reason {
+            effects.call_for(effect, || reason);
+        }
+    }
+}
+
+fn depth_of_field(scene: &Scene) -> Option<String> {
+    let radius = scene.camera.lens.radius;
+    (radius > 0.0).then(|| format!("camera.lens_radius = {radius}"))
+}
+
+fn orthographic(scene: &Scene) -> Option<String> {
+    let orthographic = scene.camera.is_orthographic();
+    orthographic.then(|| "camera.type = \"orthographic\"".to_owned())
+}
+
+fn pixel_filter(scene: &Scene) -> Option<String> {
+    let filter = scene.filter;
+    let reason = || format!("film.filter = \"{}\" of radius {}", filter.kind, filter.radius);
+    (!filter.is_pixel()).then(reason)
 }
 
 fn of_light_sampling(

@@ -58,9 +58,24 @@ pub struct Frame {
     pub shadow_columns: u32,
     /// What a ray's words for light and environment texel are ahead of the ray's before.
     pub shadow_steps: [u32; 2],
+    /// Width of a cell of the pixel filter's table, in pixels.
+    pub filter_cell: f32,
+    /// 1 where the camera is orthographic: `right` and `up` are then half the size of what is seen.
+    pub orthographic: u32,
+    /// Radius of the lens, to the right.
+    pub lens_right: [f32; 3],
+    /// One over the distance of the plane that is sharp.
+    pub inverse_focus_distance: f32,
+    /// Radius of the lens, upwards.
+    pub lens_up: [f32; 3],
     /// Unused.
-    pub padding: [u32; 2],
+    pub padding: u32,
+    /// The pixel filter's table, two ends of cells per word.
+    pub filter_knots: [[f32; 4]; FILTER_WORDS],
 }
+
+/// Words of [`Frame::filter_knots`].
+pub const FILTER_WORDS: usize = (FILTER_CELLS as usize + 1).div_ceil(2);
 
 /// `Dispatch` of `shaders/types.wesl`: what changes from dispatch to dispatch.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -207,6 +222,8 @@ shared! {
     "scene::fetch" TWO_SIDED_BIT = 8;
     /// Set in a light's head where its edges or half axes are not orthogonal.
     "scene::fetch" SKEWED_BIT = 16;
+    /// Cells of the pixel filter's table.
+    "kernel::filter" FILTER_CELLS = crate::scene::filter::FILTER_CELLS as u32;
     /// What a traced shadow ray adds to `SampleRecord::shadow`.
     "kernel::sample_record" SHADOW_TRACED = 1;
     /// What one that met nothing adds to it as well.

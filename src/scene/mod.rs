@@ -7,6 +7,7 @@ pub mod alias_table;
 pub mod camera;
 mod choice;
 pub mod expect;
+pub mod filter;
 pub mod ids;
 pub mod light;
 pub mod load;
@@ -18,8 +19,9 @@ pub mod shadow_rays;
 pub mod shape;
 pub mod validate;
 
-pub use camera::{Camera, FilmSize};
+pub use camera::{Camera, FilmSize, Lens, Projection};
 pub use expect::{Expect, ExpectedRadiance};
+pub use filter::PixelFilter;
 pub use ids::{MaterialId, ShapeId};
 pub use light::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
 pub use material::{Bsdf, Material};
@@ -50,6 +52,8 @@ pub struct Scene {
     pub expect: Option<Expect>,
     /// What the file asks for and direkt does not do, or what was dropped: one sentence each.
     pub warnings: Vec<String>,
+    /// What a pixel shows of what lies around its middle.
+    pub filter: PixelFilter,
 }
 
 impl Scene {

@@ -89,7 +89,7 @@ fn syntax_and_keys() {
     );
     says(
         refused("[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\n"),
-        "camera: missing key `fov` (line 1)",
+        "camera: missing key `fov`; expected an angle above 0 and below 180 degrees",
     );
     says(
         refused("[render]\nstrategy = \"magic\"\n"),

@@ -13,7 +13,8 @@ use direkt::gpu::Context;
 use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
-    Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings,
+    Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, PixelFilter,
+    RenderSettings,
     Sampler, Scene, Shape, Strategy,
 };
 use direkt::stats::z_test::z_test;
@@ -196,6 +197,7 @@ pub fn floor_pixel() -> Scene {
         },
         expect: None,
         warnings: vec![],
+        filter: PixelFilter::default(),
     }
 }
 

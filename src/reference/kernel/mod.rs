@@ -2,5 +2,6 @@
 
 pub mod camera;
 pub mod direct;
+pub mod filter;
 pub mod sample;
 pub mod shadow_rays;

@@ -18,7 +18,8 @@ use super::mesh::{self, NamedMesh};
 use super::transform;
 use crate::error::InputError;
 use crate::scene::{
-    Camera, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings, Scene, Shape,
+    Camera, FilmSize, Geometry, Light, Material, MaterialId, PixelFilter, RenderSettings, Scene,
+    Shape,
 };
 use document::Document;
 use glam::DAffine3;
@@ -53,6 +54,7 @@ pub(super) fn load_scene(path: &Path, folders: &Folders) -> Result<Scene, InputE
         render: RenderSettings::default(),
         expect: None,
         warnings: imported.warnings,
+        filter: PixelFilter::default(),
     })
 }
 

@@ -2,6 +2,7 @@
 //! what they mean in [`build`] and [`shapes`].
 
 mod build;
+mod camera;
 mod expect;
 mod format;
 mod format_shapes;
