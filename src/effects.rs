@@ -136,6 +136,19 @@ impl Effect {
     }
 }
 
+impl Effect {
+    /// Whether it can be compiled in without need, and changes no bit of the image then: it is no way of sampling, and needs
+    /// nothing that only a scene that calls for it has, as the environment does.
+    pub fn can_be_forced(self) -> bool {
+        let environment = [
+            Self::Environment,
+            Self::EnvironmentMap,
+            Self::EnvironmentLinear,
+        ];
+        !self.is_way_of_sampling() && !environment.contains(&self)
+    }
+}
+
 /// The effects that a render calls for, each with its reason.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Effects(BTreeMap<Effect, String>);
@@ -219,7 +232,12 @@ fn orthographic(scene: &Scene) -> Option<String> {
 
 fn pixel_filter(scene: &Scene) -> Option<String> {
     let filter = scene.filter;
-    let reason = || format!("film.filter = \"{}\" of radius {}", filter.kind, filter.radius);
+    let reason = || {
+        format!(
+            "film.filter = \"{}\" of radius {}",
+            filter.kind, filter.radius
+        )
+    };
     (!filter.is_pixel()).then(reason)
 }
 

@@ -4,9 +4,9 @@ use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::environment::EnvironmentBuffers;
 use super::layout::{
-    FILTER_WORDS, Frame, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
-    LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
-    NONE, ONE_SIDED_BIT, SKEWED_BIT, TILE, TWO_SIDED_BIT,
+    FILTER_WORDS, Frame, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL,
+    LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT,
+    LIGHT_TRIANGLE, NONE, ONE_SIDED_BIT, SKEWED_BIT, TILE, TWO_SIDED_BIT,
 };
 use crate::accel::{Node, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Selection};
@@ -77,6 +77,34 @@ impl SceneBuffers {
             light_alias: GpuBuffer::storage(device, "scene.light_alias", &alias),
             environment,
         })
+    }
+}
+
+impl SceneBuffers {
+    /// Labels and bytes of all that [`new`](Self::new) makes for `prepared`.
+    pub fn sizes(prepared: &Prepared) -> Vec<(&'static str, u64)> {
+        let words = |count: usize| (count.max(1) * size_of::<Word>()) as u64;
+        let table = prepared.emitters.selection.as_ref();
+        let table = table.and_then(Selection::table);
+        let nodes = prepared.bvh.nodes.len().max(1) * size_of::<Node>();
+        let mut sizes = vec![
+            ("scene.nodes", nodes as u64),
+            ("scene.primitives", words(3 * prepared.primitives.len())),
+            ("scene.materials", words(2 * prepared.scene.materials.len())),
+            ("scene.lights", words(4 * prepared.emitters.lights.len())),
+            (
+                "scene.light_alias",
+                words(table.map_or(0, |t| t.entries.len())),
+            ),
+        ];
+        let radiance = prepared.scene.environment.as_ref().map(|e| &e.radiance);
+        if let (Some(EnvironmentRadiance::Map(map)), Some(grid)) =
+            (radiance, &prepared.emitters.environment)
+        {
+            sizes.push(("scene.environment_alias", words(grid.table.entries.len())));
+            sizes.push(("scene.environment", words(map.texels.len())));
+        }
+        sizes
     }
 }
 

@@ -189,7 +189,8 @@ mod tests {
     fn distribution(filter: &PixelFilter, x: f64) -> f64 {
         let part = |end: f64| -> f64 {
             let width = end / 512.0;
-            let cells = (0..512).map(|i| integral(|x| filter.value(x), f64::from(i) * width, width));
+            let cells =
+                (0..512).map(|i| integral(|x| filter.value(x), f64::from(i) * width, width));
             cells.sum()
         };
         part(x) / part(filter.radius)

@@ -128,7 +128,11 @@ impl Range<'_> {
             return Ok(());
         }
         let problem = format!("is {:e} times the focus distance", radius / focus_distance);
-        self.error("camera.lens_radius".to_owned(), problem, "at most 1e18 times")
+        self.error(
+            "camera.lens_radius".to_owned(),
+            problem,
+            "at most 1e18 times",
+        )
     }
 
     fn bright(&self, power: DVec3, field: impl FnOnce() -> String, unit: &str) -> Outcome {

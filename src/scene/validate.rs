@@ -137,8 +137,7 @@ impl Check<'_> {
             "pixels, above 0 and up to 32768",
         )?;
         self.require(
-            filter.kind != FilterKind::Gaussian
-                || (1e-3 * radius..=1e3 * radius).contains(&stddev),
+            filter.kind != FilterKind::Gaussian || (1e-3 * radius..=1e3 * radius).contains(&stddev),
             || "film.filter_stddev".to_owned(),
             || format!("is {stddev}, of a filter of radius {radius}"),
             "pixels, from a thousandth of the radius to a thousand times it",

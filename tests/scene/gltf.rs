@@ -3,7 +3,7 @@
 use super::files::{Folder, glb, load_gltf, triangle_glb, triangle_gltf, with};
 use crate::support::shared;
 use direkt::scene::load::{LoadOptions, load};
-use direkt::scene::{Bsdf, Geometry, Light, Mesh, Scene};
+use direkt::scene::{Bsdf, Geometry, Light, Mesh, Projection, Scene};
 use glam::DVec3;
 use serde_json::json;
 
@@ -115,6 +115,36 @@ fn materials_emission_and_sides() {
             metallic: 1.0,
             roughness: 1.0
         }
+    );
+}
+
+/// `ymag` is half the height of what is seen; the node's scale is none of the camera's, that of the including file is.
+#[test]
+fn orthographic_cameras() {
+    let nodes = json!([{ "mesh": 0, "camera": 0, "scale": [3, 3, 3] }]);
+    let json = with(triangle_gltf(), "/nodes", nodes);
+    let camera = |ymag: f64| {
+        let magnification = json!({ "xmag": 1, "ymag": ymag, "zfar": 9, "znear": 0.1 });
+        let cameras = json!([{ "type": "orthographic", "orthographic": magnification }]);
+        with(json.clone(), "/cameras", cameras)
+    };
+    let scene = load_gltf(&camera(1.5)).expect("a valid glTF");
+    assert_eq!(
+        scene.camera.projection,
+        Projection::Orthographic { height: 3.0 }
+    );
+    assert_eq!(
+        load_gltf(&camera(-1.5)).expect_err("it must be refused"),
+        "DIR/scene.gltf: cameras[0].orthographic.ymag: is -1.5; expected half the height of what is seen, above 0"
+    );
+    let folder = Folder::new();
+    folder.write("part.gltf", camera(1.5).to_string());
+    let text = "[[gltf]]\nfile = \"part.gltf\"\ntransform = [{ scale = 2 }]\n";
+    folder.write("scene.toml", text);
+    let scene = folder.load("scene.toml").expect("a valid scene");
+    assert_eq!(
+        scene.camera.projection,
+        Projection::Orthographic { height: 6.0 }
     );
 }
 

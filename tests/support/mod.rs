@@ -14,8 +14,7 @@ use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
     Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, PixelFilter,
-    RenderSettings,
-    Sampler, Scene, Shape, Strategy,
+    RenderSettings, Sampler, Scene, Shape, Strategy,
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;

@@ -1,8 +1,8 @@
 //! Every number of a scene, to be replaced by any other: scenes that no file could describe, for `validate`.
 
 use direkt::scene::{
-    Bsdf, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Material, Projection,
-    Scene, Shape,
+    Bsdf, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Material, Projection, Scene,
+    Shape,
 };
 use glam::DVec3;
 

@@ -26,7 +26,8 @@ pub fn sample_filter(table: &FilterTable, u: f64) -> f64 {
     let cell = cell.unwrap_or(0);
     let (low, high) = (filter_knot(table, cell), filter_knot(table, cell + 1));
     let part = ((below - low.x) / (high.x - low.x).max((-24_f64).exp2())).min(1.0);
-    let distance = (cell as f64 + sample_in_cell(part, low.y, high.y)) * f64::from(table.cell_width);
+    let distance =
+        (cell as f64 + sample_in_cell(part, low.y, high.y)) * f64::from(table.cell_width);
     if signed < 0.0 { -distance } else { distance }
 }
 

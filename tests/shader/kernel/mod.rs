@@ -3,6 +3,7 @@
 mod accumulate;
 mod camera;
 mod direct;
+mod filter;
 mod lab_bindings;
 mod lab_discrete;
 mod lab_estimators;

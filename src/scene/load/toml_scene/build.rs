@@ -45,7 +45,10 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
     };
     let film = camera::film(&context, &file.film)?;
     let filter = camera::filter(&context, &file.film)?;
-    let mut camera = file.camera.map(|c| camera::camera(&context, &c)).transpose()?;
+    let mut camera = file
+        .camera
+        .map(|c| camera::camera(&context, &c))
+        .transpose()?;
     let mut materials = Vec::new();
     for (name, table) in file.materials {
         let id = MaterialId(u32::try_from(materials.len()).expect("fewer than 2³² materials"));

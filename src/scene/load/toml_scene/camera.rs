@@ -32,7 +32,10 @@ pub(super) fn filter(context: &Context, table: &FilmTable) -> Result<PixelFilter
     if let (Some(_), true) = (table.filter_stddev, table.filter != FilterKind::Gaussian) {
         return Err(context.error(
             "film.filter_stddev",
-            format!("is given for the filter \"{}\", which has none", table.filter),
+            format!(
+                "is given for the filter \"{}\", which has none",
+                table.filter
+            ),
             "filter = \"gaussian\"",
         ));
     }
@@ -50,8 +53,9 @@ pub(super) fn camera(context: &Context, table: &CameraTable) -> Result<Camera, I
     let placed = placed(context, table)?;
     let target = table.eye.zip(table.target);
     let to_target = target.map(|(e, t)| DVec3::from_array(t).distance(DVec3::from_array(e)));
-    let focus_distance = table.focus_distance.or(to_target);
-    if table.lens_radius > 0.0 && focus_distance.is_none() {
+    let has_lens = table.lens_radius > 0.0;
+    let focus_distance = table.focus_distance.or(to_target.filter(|_| has_lens));
+    if has_lens && focus_distance.is_none() {
         return Err(context.error(
             "camera.focus_distance",
             "is missing, and there is no `target` that could be sharp",
