@@ -116,6 +116,8 @@ fn prices_are_measured_and_drawn() {
         "--measure",
         "--budget",
         "1ms",
+        "--effects",
+        "spheres",
     ];
     let (code, stdout, stderr) =
         run(&[&base[..], &["-o", text(&svg), "--json", text(&json)]].concat());
@@ -128,7 +130,9 @@ fn prices_are_measured_and_drawn() {
     assert_eq!(measured["rounds"], 3);
     let kernels = measured["kernels"].as_array().unwrap();
     assert_eq!(kernels[0]["kernel"], "called for");
-    assert_eq!(kernels[kernels.len() - 1]["kernel"], "everything");
+    assert_eq!(kernels[1]["kernel"], "+ spheres");
+    let size = |i: usize| kernels[i]["spirv_instructions"].as_u64();
+    assert!(size(1) > size(0));
     for kernel in kernels {
         for ratio in ["compile_ratio", "sample_ratio"] {
             let of = |end: &str| kernel[ratio][end].as_f64().unwrap();
@@ -136,6 +140,15 @@ fn prices_are_measured_and_drawn() {
         }
     }
     assert_eq!(kernels[0]["sample_ratio"]["value"], 1.0);
+    let (code, _, stderr) = run(&[
+        "explain",
+        "a.toml",
+        "--measure",
+        "--effects",
+        "sobol-sampler",
+    ]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("expected geometry, triangles"), "{stderr}");
     assert!(measured["rays_per_sample"]["shadow"].as_f64() < Some(1.01));
     for wrong in ["a.txt", "a.exr"] {
         let (code, _, stderr) = run(&[&base[..], &["-o", wrong]].concat());
