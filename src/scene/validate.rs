@@ -2,16 +2,17 @@
 //!
 //! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind may rely on it.
 
-use super::filter::FilterKind;
+mod view;
+
 use super::range;
 use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
-    Bsdf, Camera, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize,
-    Geometry, Lens, Light, LightSelection, Material, Mesh, PixelFilter, Projection, Scene, Shape,
+    Bsdf, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize, Geometry,
+    Light, LightSelection, Material, Mesh, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 /// Checks a whole scene: every number in its domain, every index in range, no geometry without extent.
 ///
@@ -74,74 +75,6 @@ impl Check<'_> {
         } else {
             Err(InputError::new(self.file, field(), problem(), expected))
         }
-    }
-
-    fn film(&self, film: FilmSize) -> Outcome {
-        for (side, key) in [(film.width, "width"), (film.height, "height")] {
-            self.require(
-                (1..=FilmSize::MAX_SIDE).contains(&side),
-                || format!("film.{key}"),
-                || format!("is {side}"),
-                "1 to 32768 pixels",
-            )?;
-        }
-        Ok(())
-    }
-
-    fn camera(&self, camera: &Camera) -> Outcome {
-        match camera.projection {
-            Projection::Perspective { fov_y } => self.require(
-                fov_y > 0.0 && fov_y < PI,
-                || "camera.fov".to_owned(),
-                || format!("is {}", fov_y.to_degrees()),
-                "an angle above 0 and below 180 degrees",
-            )?,
-            Projection::Orthographic { height } => self.require(
-                height > 0.0 && height.is_finite(),
-                || "camera.height".to_owned(),
-                || format!("is {height}"),
-                "the height of what is seen, above 0",
-            )?,
-        }
-        let Lens {
-            radius,
-            focus_distance,
-        } = camera.lens;
-        self.require(
-            radius >= 0.0 && radius.is_finite(),
-            || "camera.lens_radius".to_owned(),
-            || format!("is {radius}"),
-            "a length, not negative; 0 is a pinhole",
-        )?;
-        self.require(
-            focus_distance > 0.0 && focus_distance.is_finite(),
-            || "camera.focus_distance".to_owned(),
-            || format!("is {focus_distance}"),
-            "the distance of the plane that is sharp, above 0",
-        )?;
-        let frame = DMat3::from_cols(camera.right, camera.up, -camera.forward);
-        self.require(
-            camera.eye.is_finite() && is_rotation(frame),
-            || "camera".to_owned(),
-            || "its frame is not orthonormal and finite".to_owned(),
-            "right × up = −forward, as Camera::look_at makes it",
-        )
-    }
-
-    fn filter(&self, filter: &PixelFilter) -> Outcome {
-        let PixelFilter { radius, stddev, .. } = *filter;
-        self.require(
-            radius > 0.0 && radius <= f64::from(FilmSize::MAX_SIDE),
-            || "film.filter_radius".to_owned(),
-            || format!("is {radius}"),
-            "pixels, above 0 and up to 32768",
-        )?;
-        self.require(
-            filter.kind != FilterKind::Gaussian || (1e-3 * radius..=1e3 * radius).contains(&stddev),
-            || "film.filter_stddev".to_owned(),
-            || format!("is {stddev}, of a filter of radius {radius}"),
-            "pixels, from a thousandth of the radius to a thousand times it",
-        )
     }
 
     fn material(&self, material: &Material) -> Outcome {
