@@ -157,6 +157,25 @@ effects! {
     SobolSampler "SAMPLER_SOBOL" "sobol-sampler" Sampling |r| r.sampler(Sampler::Sobol);
     /// Random numbers by Sobol's sequence, shared by neighbouring pixels.
     BlueNoiseSampler "SAMPLER_BLUE_NOISE" "blue-noise-sampler" Sampling |r| r.sampler(Sampler::BlueNoise);
+    /// A lens with an extent.
+    DepthOfField "DEPTH_OF_FIELD" "depth-of-field" Simulation |r| r.depth_of_field();
+    /// A camera whose rays are parallel.
+    Orthographic "ORTHOGRAPHIC" "orthographic" Simulation |r| r.orthographic();
+    /// Pixels that show something else than their own squares.
+    PixelFilter "PIXEL_FILTER" "pixel-filter" Simulation |r| r.pixel_filter();
+}
+
+impl Effect {
+    /// Whether it can be compiled in without need, and changes no bit of the image then: it is no way of sampling, and needs
+    /// nothing that only a scene that calls for it has, as the environment does.
+    pub fn can_be_forced(self) -> bool {
+        let environment = [
+            Self::Environment,
+            Self::EnvironmentMap,
+            Self::EnvironmentLinear,
+        ];
+        !self.is_way_of_sampling() && !environment.contains(&self)
+    }
 }
 
 /// The effects that a render calls for, each with its reason.

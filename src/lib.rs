@@ -22,11 +22,11 @@
 //!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}
 //! ```
 //!
-//! One direction only: `scene ← accel ← gpu ← render ← cli`. [`cost`] and [`report`] stand between `render` and
-//! `cli`. Beside it, [`stats`] decides whether samples agree with what they should be, and
+//! One direction only: `scene ← accel ← gpu ← render ← cli`. [`cost`], [`report`] and [`explain`] stand
+//! between `render` and `cli`. Beside it, [`stats`] decides whether samples agree with what they should be, and
 //! [`reference`](mod@reference) computes what they should be; both in f64 and without the GPU. [`compare`] holds one
 //! against the other; `docs/verification.md` says how. [`lab`] runs kernels without a scene.
-//! Its plots and the report's are made of [`drawing`].
+//! Its plots, the report's and those of `explain` are made of [`drawing`].
 //!
 //! # A render, from code
 //!
@@ -86,6 +86,7 @@ pub mod drawing;
 pub mod effects;
 pub mod emitters;
 pub mod error;
+pub mod explain;
 pub mod gpu;
 pub mod image;
 pub mod lab;

@@ -96,7 +96,7 @@ fn elementary_functions_are_as_accurate_as_promised() {
 #[test]
 fn no_shader_needs_subgroups() {
     let context = context();
-    let config = Config { stack_depth: 4 };
+    let config = Config::default();
     let wgsl = link("kernel::loop_canary", [], config).unwrap();
     let asking = format!("enable subgroups;\n{wgsl}");
     let compiles = context.checked(|| {

@@ -20,7 +20,7 @@ fn reflected() -> naga::Module {
                @compute @workgroup_size(1) fn main() {\n\
                frame.width = work.first_tile + state.samples + record.shadow;\n";
     source += &format!("frame.height = {};\n}}\n", names.join(" + "));
-    let wgsl = link_with("test_layout", Some(&source), [], Config { stack_depth: 4 }).unwrap();
+    let wgsl = link_with("test_layout", Some(&source), [], Config::default()).unwrap();
     naga::front::wgsl::parse_str(&wgsl).unwrap()
 }
 
@@ -96,11 +96,16 @@ fn structs_have_the_same_members() {
         shadow_columns,
         shadow_steps,
         max_specular_depth,
-        padding,
+        filter_cell,
         light_grid_origin,
         tree_nodes,
         light_grid_step,
         infinite_lights,
+        lens_right,
+        inverse_focus_distance,
+        lens_up,
+        orthographic,
+        filter_knots,
     });
     let dispatch = members!(Dispatch {
         block_start,
@@ -142,7 +147,7 @@ fn the_labs_structs_have_the_same_members() {
         @group(0) @binding(0) var<uniform> work: LabRun;
         @group(0) @binding(1) var<storage, read_write> block: LabBlock;
         @compute @workgroup_size(1) fn main() { block.samples = work.samples; }";
-    let wgsl = link_with("test_layout", Some(source), [], Config { stack_depth: 4 }).unwrap();
+    let wgsl = link_with("test_layout", Some(source), [], Config::default()).unwrap();
     let module = naga::front::wgsl::parse_str(&wgsl).unwrap();
     let run = members!(LabRun {
         variant,
@@ -184,7 +189,7 @@ fn constants_have_the_same_values() {
 
 #[test]
 fn a_workgroup_is_a_tile() {
-    let wgsl = direkt::gpu::shader::link("kernel::direct", [], Config { stack_depth: 4 }).unwrap();
+    let wgsl = direkt::gpu::shader::link("kernel::direct", [], Config::default()).unwrap();
     let module = naga::front::wgsl::parse_str(&wgsl).unwrap();
     let entry = &module.entry_points[0];
     assert_eq!(entry.workgroup_size, [layout::TILE_PIXELS, 1, 1]);

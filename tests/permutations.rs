@@ -7,7 +7,10 @@ use direkt::gpu::shader::{Config, link};
 use direkt::render::Prepared;
 use direkt::scene::{LightSelection, ShadowPattern, Strategy};
 
-const CONFIG: Config = Config { stack_depth: 16 };
+const CONFIG: Config = Config {
+    stack_depth: 16,
+    stamp: 1,
+};
 
 fn validate(effects: &Effects, what: &str) -> String {
     let wgsl = link("kernel::direct", effects.features(), CONFIG)

@@ -303,10 +303,10 @@ fn summary(cost: &SceneCost) -> String {
 }
 
 /// The progress bar: how much of the budget is spent.
-struct Bar(ProgressBar);
+pub(super) struct Bar(ProgressBar);
 
 impl Bar {
-    fn new(budget: f64, quiet: bool) -> Self {
+    pub(super) fn new(budget: f64, quiet: bool) -> Self {
         let length = (1000.0 * budget) as u64;
         Self(progress::bar(
             length,
@@ -315,19 +315,19 @@ impl Bar {
         ))
     }
 
-    fn show(&self, what: &str, spent: f64) {
+    pub(super) fn show(&self, what: &str, spent: f64) {
         self.0.set_position((1000.0 * spent) as u64);
         self.0.set_message(what.to_owned());
         self.0.tick();
     }
 
-    fn finish(&self) {
+    pub(super) fn finish(&self) {
         self.0.finish_and_clear();
     }
 }
 
 /// Seconds of a duration such as `90s`, `1m30s`, `500ms` or `2h`.
-fn parse_duration(text: &str) -> Result<f64, String> {
+pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
     let wrong =
         || format!("`{text}` is no duration; expected such as 30s, 2m or 1m30s, above zero");
     let mut rest = text.trim();

@@ -1,15 +1,26 @@
-//! `direkt explain`: which effects a scene calls for, and why.
+//! `direkt explain`: which effects a scene calls for, and why; what they take, and what others would cost.
 
+mod text;
+
+use super::cost::{Bar, or, parse_duration};
+use super::interrupt::Interrupt;
 use super::settings::{AssetArguments, EstimatorArguments};
-use super::{JsonArgument, print};
+use super::{AdapterArgument, JsonArgument, print};
+use crate::drawing::raster;
 use crate::effects::Effect;
 use crate::error::Error;
+use crate::explain::memory::{self, Memory};
+use crate::explain::plot;
+use crate::explain::price::{self, Prices};
+use crate::explain::sample::{self, RandomNumbers, Rays};
+use crate::explain::shader::ShaderSize;
 use crate::gpu::shader::{self, Config};
+use crate::gpu::{AdapterFacts, Context};
+use crate::image::{extension, write_atomically};
 use crate::render::Prepared;
 use crate::scene::load::schema;
 use serde::Serialize;
-use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Arguments of `direkt explain`.
@@ -19,15 +30,32 @@ pub struct Arguments {
     #[arg(required_unless_present = "schema")]
     scene: Option<PathBuf>,
     /// Print the JSON Schema of scene files instead, for editors that complete them
-    #[arg(long, conflicts_with_all = ["scene", "wgsl"])]
+    #[arg(long, conflicts_with_all = ["scene", "wgsl", "measure"])]
     schema: bool,
     /// Print the linked WGSL of the scene's kernel instead
-    #[arg(long)]
+    #[arg(long, conflicts_with = "measure")]
     wgsl: bool,
+    /// Measure what each effect would cost that the scene does not call for, and all of them together
+    #[arg(long)]
+    measure: bool,
+    /// Time of measuring, compiling included, such as 30s, 2m or 1m30s; three rounds are made at least
+    #[arg(long, value_name = "DURATION", default_value = "60s", value_parser = parse_duration, requires = "measure")]
+    budget: f64,
+    /// Effects whose cost is measured [default: all that can be compiled in without need]
+    #[arg(long, value_name = "LIST", value_parser = parse_effect, value_delimiter = ',', requires = "measure")]
+    effects: Vec<Effect>,
+    /// Plot of what was measured: .svg or .png, or a folder for both
+    #[arg(short, long = "output", value_name = "FILE", requires = "measure")]
+    output: Option<PathBuf>,
+    /// No progress on stderr
+    #[arg(short, long)]
+    quiet: bool,
     #[command(flatten)]
     assets: AssetArguments,
     #[command(flatten)]
     estimator: EstimatorArguments,
+    #[command(flatten)]
+    adapter: AdapterArgument,
     #[command(flatten)]
     json: JsonArgument,
 }
@@ -37,7 +65,14 @@ struct Report {
     scene: String,
     called_for: Vec<CalledFor>,
     left_out: Vec<&'static str>,
-    wgsl_bytes: usize,
+    #[serde(flatten)]
+    shader: ShaderSize,
+    memory: Vec<Memory>,
+    memory_bytes: u64,
+    /// At most, per sample.
+    rays: Rays,
+    random_numbers: Vec<RandomNumbers>,
+    random_numbers_per_sample: u32,
     primitives: usize,
     bvh_nodes: usize,
     bvh_depth: usize,
@@ -46,6 +81,10 @@ struct Report {
     mis_compensation_unused: Option<String>,
     biased: Option<String>,
     warnings: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    adapter: Option<AdapterFacts>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    measured: Option<Prices>,
 }
 
 /// How directions towards the environment map are chosen.
@@ -68,18 +107,103 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         print(&schema())?;
         return Ok(ExitCode::SUCCESS);
     };
+    arguments.check_output()?;
     let mut scene = arguments.assets.load(path)?;
     arguments.estimator.apply(&mut scene)?;
     let settings = scene.render;
-    let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    let mut prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
     let config = Config {
         stack_depth: prepared.stack_depth(),
+        ..Config::default()
     };
     let wgsl = shader::link("kernel::direct", prepared.effects.features(), config)?;
     if arguments.wgsl {
         print(&wgsl)?;
         return Ok(ExitCode::SUCCESS);
     }
+    let mut report = report(path, &prepared, &wgsl)?;
+    if arguments.measure {
+        arguments.measure(&mut prepared, &mut report)?;
+    }
+    arguments.json.write(&report)?;
+    if !arguments.json.is_stdout() {
+        print(&text::of(&report))?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+impl Arguments {
+    /// Refuses what could not be written in the end, before anything is measured.
+    fn check_output(&self) -> Result<(), Error> {
+        let Some(path) = self.output.as_deref() else {
+            return Ok(());
+        };
+        let name = path.display();
+        if path.is_dir() || extension(path).is_empty() {
+            return if path.is_file() {
+                Err(Error::Usage(format!("{name} is a file; name a folder")))
+            } else {
+                Ok(())
+            };
+        }
+        if matches!(extension(path).as_str(), "svg" | "png") {
+            return Ok(());
+        }
+        Err(Error::Usage(format!(
+            "{name}: a plot ends in .svg or .png; name such a file or a folder"
+        )))
+    }
+
+    /// Measures, and draws what came out.
+    fn measure(&self, prepared: &mut Prepared, report: &mut Report) -> Result<(), Error> {
+        let context = Context::new(self.adapter.adapter.as_deref())?;
+        let interrupt = Interrupt::listen();
+        let progress = Bar::new(self.budget, self.quiet);
+        let mut show = |what: &str, spent: f64| progress.show(what, spent);
+        let stop = || interrupt.came();
+        let effects = or(&self.effects, Effect::ALL);
+        let wanted = (effects.as_slice(), self.budget);
+        let found = price::measure(&context, prepared, wanted, &mut show, &stop)?;
+        progress.finish();
+        report.adapter = Some(context.adapter.clone());
+        match (&found, &self.output) {
+            (None, _) => eprintln!("direkt: interrupted before one round was finished"),
+            (Some(prices), Some(path)) => draw(path, &report.scene, prices)?,
+            (Some(_), None) => {}
+        }
+        report.measured = found;
+        Ok(())
+    }
+}
+
+/// An effect by its name.
+fn parse_effect(name: &str) -> Result<Effect, String> {
+    let mut all = Effect::ALL.iter().copied().filter(|e| e.can_be_forced());
+    let names: Vec<_> = all.clone().map(Effect::name).collect();
+    all.find(|e| e.name() == name).ok_or_else(|| {
+        let names = names.join(", ");
+        format!("no effect of this name can be compiled in without need; expected {names}")
+    })
+}
+
+/// Writes the plot to a file, or as `explain.svg` and `explain.png` into a folder, which is made if need be.
+fn draw(path: &Path, scene: &str, prices: &Prices) -> Result<(), Error> {
+    let svg = plot::of(scene, prices);
+    match extension(path).as_str() {
+        "svg" if !path.is_dir() => write_atomically(path, svg.file().as_bytes()),
+        "png" if !path.is_dir() => write_atomically(path, &raster::png(&svg)?),
+        _ => {
+            std::fs::create_dir_all(path).map_err(|source| Error::Write {
+                path: path.to_path_buf(),
+                source,
+            })?;
+            write_atomically(&path.join("explain.svg"), svg.file().as_bytes())?;
+            write_atomically(&path.join("explain.png"), &raster::png(&svg)?)
+        }
+    }
+}
+
+fn report(path: &Path, prepared: &Prepared, wgsl: &str) -> Result<Report, Error> {
     let called_for = prepared.effects.iter().map(|(effect, reason)| CalledFor {
         name: effect.name(),
         reason: reason.to_owned(),
@@ -87,25 +211,29 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let left_out = Effect::ALL
         .iter()
         .filter(|e| !prepared.effects.contains(**e));
-    let report = Report {
+    let memory = memory::of(prepared, prepared.scene.film);
+    let random_numbers = sample::random_numbers(prepared);
+    Ok(Report {
         scene: path.display().to_string(),
         called_for: called_for.collect(),
         left_out: left_out.map(|e| e.name()).collect(),
-        wgsl_bytes: wgsl.len(),
+        shader: ShaderSize::of(wgsl)?,
+        memory_bytes: memory::total(&memory),
+        memory,
+        rays: sample::most_rays(prepared),
+        random_numbers_per_sample: random_numbers.iter().map(RandomNumbers::count).sum(),
+        random_numbers,
         primitives: prepared.primitives.len(),
         bvh_nodes: prepared.bvh.nodes.len(),
         bvh_depth: prepared.bvh.depth,
         lights: prepared.emitters.lights.len(),
-        environment: environment_sampling(&prepared),
-        mis_compensation_unused: mis_compensation_unused(&prepared),
+        environment: environment_sampling(prepared),
+        mis_compensation_unused: mis_compensation_unused(prepared),
         biased: prepared.bias(),
         warnings: prepared.scene.warnings.clone(),
-    };
-    arguments.json.write(&report)?;
-    if !arguments.json.is_stdout() {
-        print(&text(&report))?;
-    }
-    Ok(ExitCode::SUCCESS)
+        adapter: None,
+        measured: None,
+    })
 }
 
 fn environment_sampling(prepared: &Prepared) -> Option<EnvironmentSampling> {
@@ -132,37 +260,4 @@ fn mis_compensation_unused(prepared: &Prepared) -> Option<String> {
         )),
         Some(grid) => (!grid.compensated).then(|| "the environment map is constant".to_owned()),
     }
-}
-
-fn text(report: &Report) -> String {
-    let mut out = format!("{} calls for\n", report.scene);
-    for effect in &report.called_for {
-        // Writing to a String cannot fail.
-        let _ = writeln!(out, "  {:22} {}", effect.name, effect.reason);
-    }
-    let _ = writeln!(out, "left out: {}", report.left_out.join(", "));
-    let _ = writeln!(
-        out,
-        "{} primitives, {} lights, BVH of {} nodes and depth {}, {} bytes of WGSL",
-        report.primitives, report.lights, report.bvh_nodes, report.bvh_depth, report.wgsl_bytes,
-    );
-    if let Some(grid) = &report.environment {
-        let by = if grid.compensated {
-            "what of its luminance exceeds the mean (mis_compensation)"
-        } else {
-            "its luminance"
-        };
-        let _ = writeln!(
-            out,
-            "a direction towards the environment map is chosen among {} × {} cells, each by {by}",
-            grid.columns, grid.rows
-        );
-    }
-    if let Some(reason) = &report.mis_compensation_unused {
-        let _ = writeln!(out, "mis_compensation changes nothing: {reason}");
-    }
-    for warning in report.biased.iter().chain(&report.warnings) {
-        let _ = writeln!(out, "warning: {warning}");
-    }
-    out
 }

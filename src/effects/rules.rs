@@ -269,6 +269,22 @@ impl Rules<'_> {
         (self.has(Effect::PlanarLights) && wanted).then(|| self.by_strategy())
     }
 
+    pub(super) fn depth_of_field(&self) -> Option<String> {
+        let radius = self.scene.camera.lens.radius;
+        (radius > 0.0).then(|| format!("camera.lens_radius = {radius}"))
+    }
+
+    pub(super) fn orthographic(&self) -> Option<String> {
+        let orthographic = self.scene.camera.is_orthographic();
+        orthographic.then(|| "camera.type = \"orthographic\"".to_owned())
+    }
+
+    pub(super) fn pixel_filter(&self) -> Option<String> {
+        let filter = self.scene.filter;
+        let (kind, radius) = (filter.kind, filter.radius);
+        (!filter.is_pixel()).then(|| format!("film.filter = \"{kind}\" of radius {radius}"))
+    }
+
     pub(super) fn sampler(&self, sampler: Sampler) -> Option<String> {
         (self.scene.render.sampler == sampler).then(|| format!("sampler {sampler}"))
     }

@@ -60,8 +60,8 @@ pub struct Frame {
     pub shadow_steps: [u32; 2],
     /// Most specular surfaces that a camera ray goes on from.
     pub max_specular_depth: u32,
-    /// Unused.
-    pub padding: u32,
+    /// Width of a cell of the pixel filter's table, in pixels.
+    pub filter_cell: f32,
     /// Lower corner of the grid on which the light tree's spheres lie.
     pub light_grid_origin: [f32; 3],
     /// Nodes of the light tree.
@@ -70,7 +70,20 @@ pub struct Frame {
     pub light_grid_step: [f32; 3],
     /// Sampled lights that the light tree leaves out.
     pub infinite_lights: u32,
+    /// Radius of the lens, to the right.
+    pub lens_right: [f32; 3],
+    /// One over the distance of the plane that is sharp.
+    pub inverse_focus_distance: f32,
+    /// Radius of the lens, upwards.
+    pub lens_up: [f32; 3],
+    /// 1 where the camera is orthographic.
+    pub orthographic: u32,
+    /// The pixel filter's table, two ends of cells per word.
+    pub filter_knots: [[f32; 4]; FILTER_WORDS],
 }
+
+/// Words of [`Frame::filter_knots`].
+pub const FILTER_WORDS: usize = (FILTER_CELLS as usize + 1).div_ceil(2);
 
 /// `Dispatch` of `shaders/types.wesl`: what changes from dispatch to dispatch.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
@@ -245,6 +258,8 @@ shared! {
     "scene::fetch" SKEWED_BIT = 16;
     /// Marks a reference to a light in the light tree.
     "light::tree" TREE_LEAF = crate::emitters::tree::TREE_LEAF;
+    /// Cells of the pixel filter's table.
+    "kernel::filter" FILTER_CELLS = crate::scene::filter::FILTER_CELLS as u32;
     /// What a traced shadow ray adds to `SampleRecord::shadow`.
     "kernel::sample_record" SHADOW_TRACED = 1;
     /// What one that met nothing adds to it as well.

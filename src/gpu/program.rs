@@ -38,6 +38,7 @@ impl<'a> SceneProgram<'a> {
     ) -> Result<Self, GpuError> {
         let config = Config {
             stack_depth: prepared.stack_depth(),
+            ..Config::default()
         };
         let kernel = SceneKernel::new(context, entry, &prepared.effects, config)?;
         let buffers = SceneBuffers::new(context, prepared)?;

@@ -4,9 +4,9 @@ use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::environment::EnvironmentBuffers;
 use super::layout::{
-    Frame, HAS_NORMALS, HAS_UVS, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE,
-    LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE,
-    LIGHT_SPOT, LIGHT_TRIANGLE, NONE, ONE_SIDED_BIT, SKEWED_BIT, TILE, TWO_SIDED_BIT,
+    FILTER_WORDS, Frame, HAS_NORMALS, HAS_UVS, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE,
+    KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE,
+    LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, NONE, ONE_SIDED_BIT, SKEWED_BIT, TILE, TWO_SIDED_BIT,
 };
 use super::materials::material_words;
 use super::textures::TextureArrays;
@@ -15,6 +15,7 @@ use crate::emitters::{Emitter, Selection};
 use crate::error::GpuError;
 use crate::render::Prepared;
 use crate::scene::alias_table::AliasTable;
+use crate::scene::filter::FilterTable;
 use crate::scene::{EnvironmentRadiance, FilmSize, Light, Scene};
 use glam::DVec3;
 
@@ -90,6 +91,34 @@ impl SceneBuffers {
             attributes: GpuBuffer::storage(device, "scene.attributes", &attributes),
             textures,
         })
+    }
+}
+
+impl SceneBuffers {
+    /// Labels and bytes of all that [`new`](Self::new) makes for `prepared`.
+    pub fn sizes(prepared: &Prepared) -> Vec<(&'static str, u64)> {
+        let words = |count: usize| (count.max(1) * size_of::<Word>()) as u64;
+        let table = prepared.emitters.selection.as_ref();
+        let table = table.and_then(Selection::table);
+        let nodes = prepared.bvh.nodes.len().max(1) * size_of::<Node>();
+        let mut sizes = vec![
+            ("scene.nodes", nodes as u64),
+            ("scene.primitives", words(3 * prepared.primitives.len())),
+            ("scene.materials", words(2 * prepared.scene.materials.len())),
+            ("scene.lights", words(4 * prepared.emitters.lights.len())),
+            (
+                "scene.light_alias",
+                words(table.map_or(0, |t| t.entries.len())),
+            ),
+        ];
+        let radiance = prepared.scene.environment.as_ref().map(|e| &e.radiance);
+        if let (Some(EnvironmentRadiance::Map(map)), Some(grid)) =
+            (radiance, &prepared.emitters.environment)
+        {
+            sizes.push(("scene.environment_alias", words(grid.table.entries.len())));
+            sizes.push(("scene.environment", words(map.texels.len())));
+        }
+        sizes
     }
 }
 
@@ -296,17 +325,25 @@ pub(super) fn alias_words(table: &AliasTable, density: impl Fn(usize) -> f64) ->
     words.collect()
 }
 
+/// Two ends of cells per word.
+fn filter_words(table: &FilterTable) -> [[f32; 4]; FILTER_WORDS] {
+    std::array::from_fn(|word| {
+        let knot = |i: usize| table.knots.get(i).copied().unwrap_or([1.0, 0.0]);
+        let ([a, b], [c, d]) = (knot(2 * word), knot(2 * word + 1));
+        [a, b, c, d]
+    })
+}
+
 /// The uniform that stays the same for a render.
 pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuffers) -> Frame {
-    let camera = &prepared.scene.camera;
-    let n = &prepared.normalization;
-    let half_height = (0.5 * camera.fov_y).tan();
+    let camera = prepared.normalization.camera(&prepared.scene.camera);
+    let half_height = camera.half_height();
     let f3 = |v: DVec3| v.as_vec3().to_array();
-    let eye = n.point(camera.eye);
+    let filter = prepared.scene.filter.table();
     let patterns = prepared.patterns();
     let shadow_grid = prepared.shadow_grid();
     let mut frame = Frame {
-        eye: f3(eye),
+        eye: f3(camera.eye),
         width: film.width,
         right: f3(camera.right * (half_height * film.aspect())),
         height: film.height,
@@ -325,6 +362,16 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
         shadow_columns: shadow_grid.columns,
         shadow_steps: shadow_grid.steps,
         max_specular_depth: prepared.scene.render.max_specular_depth,
+        filter_cell: filter.cell_width,
+        orthographic: u32::from(camera.is_orthographic()),
+        lens_right: f3(camera.right * camera.lens.radius),
+        inverse_focus_distance: if camera.lens.radius > 0.0 {
+            (1.0 / camera.lens.focus_distance) as f32
+        } else {
+            0.0
+        },
+        lens_up: f3(camera.up * camera.lens.radius),
+        filter_knots: filter_words(&filter),
         ..Frame::default()
     };
     let tree = prepared.emitters.selection.as_ref();

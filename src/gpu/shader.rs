@@ -16,11 +16,26 @@ pub const SHADERS_VARIABLE: &str = "DIREKT_SHADERS";
 pub struct Config {
     /// Entries of the traversal's stack.
     pub stack_depth: u32,
+    /// Any number but 0, with which unfinished work is marked: with another one a driver has to compile anew what it may have
+    /// kept.
+    pub stamp: u32,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            stack_depth: 4,
+            stamp: 1,
+        }
+    }
 }
 
 impl Config {
     fn to_wesl(self) -> String {
-        format!("const STACK_DEPTH: u32 = {}u;\n", self.stack_depth)
+        format!(
+            "const STACK_DEPTH: u32 = {}u;\nconst STAMP: u32 = {}u;\n",
+            self.stack_depth, self.stamp
+        )
     }
 }
 

@@ -55,6 +55,9 @@ pub const SUPPORTED: &[Effect] = &[
     Effect::StratifiedSampler,
     Effect::SobolSampler,
     Effect::BlueNoiseSampler,
+    Effect::DepthOfField,
+    Effect::Orthographic,
+    Effect::PixelFilter,
 ];
 
 /// The scene calls for an effect that the reference does not simulate.

@@ -110,6 +110,20 @@ impl<'a> Session<'a> {
         Self::in_regions(context, prepared, film, seed, REGION_TILES)
     }
 
+    /// The same, compiled anew even where the driver kept what it compiled before: `stamp` is one that no other had, and not 0.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn compiled_anew(
+        context: &'a Context,
+        prepared: &Prepared,
+        film: FilmSize,
+        seed: u32,
+        stamp: u32,
+    ) -> Result<Self, GpuError> {
+        Self::build(context, prepared, film, seed, (REGION_TILES, stamp))
+    }
+
     /// The same with `region_tiles` tiles at most in one region, which does not change the image.
     ///
     /// # Errors
@@ -121,10 +135,22 @@ impl<'a> Session<'a> {
         seed: u32,
         region_tiles: u32,
     ) -> Result<Self, GpuError> {
+        let stamp = Config::default().stamp;
+        Self::build(context, prepared, film, seed, (region_tiles, stamp))
+    }
+
+    fn build(
+        context: &'a Context,
+        prepared: &Prepared,
+        film: FilmSize,
+        seed: u32,
+        (region_tiles, stamp): (u32, u32),
+    ) -> Result<Self, GpuError> {
         let buffers = SceneBuffers::new(context, prepared)?;
         let compile_start = Instant::now();
         let config = Config {
             stack_depth: prepared.stack_depth(),
+            stamp,
         };
         let kernel = SceneKernel::new(context, &DIRECT, &prepared.effects, config)?;
         let device = &context.device;

@@ -1,9 +1,9 @@
 //! The plots of a scene.
 
-use super::bars::{self, Bar};
 use super::chart::{self, Curve};
 use super::format::short;
 use crate::cost::{EstimatorCost, Point, SceneCost};
+use crate::drawing::bars::{self, Bar};
 use crate::drawing::svg::{SERIES, Svg};
 use crate::scene::{Sampler, Strategy};
 use clap::ValueEnum;

@@ -1,6 +1,5 @@
 //! The report of `direkt cost`: a page that needs no network, its plots as SVG and PNG, a table as CSV.
 
-mod bars;
 mod chart;
 pub mod csv;
 mod figures;

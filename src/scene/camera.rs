@@ -1,11 +1,11 @@
-//! The pinhole camera.
+//! Cameras: perspective and orthographic, each with a pinhole or a thin lens.
 
 use glam::DVec3;
 
-/// A pinhole camera: an eye, an orthonormal frame and a vertical field of view.
+/// A camera: an eye, an orthonormal frame, a projection and a lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Centre of projection, world space.
+    /// Centre of the lens, world space; of an orthographic camera, the middle of the plane that its rays start on.
     pub eye: DVec3,
     /// Unit vector to the right of the image.
     pub right: DVec3,
@@ -13,12 +13,47 @@ pub struct Camera {
     pub up: DVec3,
     /// Unit viewing direction; `right × up = −forward`.
     pub forward: DVec3,
-    /// Full vertical field of view in radians, in (0, π).
-    pub fov_y: f64,
+    /// How points of the scene come to lie on the image.
+    pub projection: Projection,
+    /// What the rays of one point of the image start from.
+    pub lens: Lens,
+}
+
+/// How points of the scene come to lie on the image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// Through the eye.
+    Perspective {
+        /// Full vertical field of view in radians, in (0, π).
+        fov_y: f64,
+    },
+    /// Along the viewing direction.
+    Orthographic {
+        /// Height of what is seen, world space; positive.
+        height: f64,
+    },
+}
+
+/// A thin lens around the eye, across the viewing direction (Potmesil & Chakravarty 1981, "A Lens and Aperture Camera Model
+/// for Synthetic Image Generation"; Pharr et al. 2016, §6.2.3).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lens {
+    /// Its radius, world space; 0 is a pinhole, which sees everything sharply.
+    pub radius: f64,
+    /// Distance from the eye, along the viewing direction, of the plane that is sharp; positive.
+    pub focus_distance: f64,
+}
+
+impl Lens {
+    /// Without extent.
+    pub const PINHOLE: Self = Self {
+        radius: 0.0,
+        focus_distance: 1.0,
+    };
 }
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`.
+    /// A pinhole camera at `eye` that looks at `target`.
     ///
     /// Where `up` is parallel to the viewing direction, the axis that is least parallel to it takes
     /// its place, so that a straight-down view is well defined.
@@ -36,9 +71,23 @@ impl Camera {
             right,
             up,
             forward,
-            fov_y,
+            projection: Projection::Perspective { fov_y },
+            lens: Lens::PINHOLE,
         };
         (eye.is_finite() && fov_y.is_finite()).then_some(camera)
+    }
+
+    /// Half the image's height: on the plane at distance 1 from the eye, or where the camera is orthographic, in world space.
+    pub fn half_height(&self) -> f64 {
+        match self.projection {
+            Projection::Perspective { fov_y } => (0.5 * fov_y).tan(),
+            Projection::Orthographic { height } => 0.5 * height,
+        }
+    }
+
+    /// Whether its rays are parallel.
+    pub fn is_orthographic(&self) -> bool {
+        matches!(self.projection, Projection::Orthographic { .. })
     }
 }
 

@@ -7,6 +7,7 @@ pub mod alias_table;
 pub mod camera;
 mod choice;
 pub mod expect;
+pub mod filter;
 pub mod fresnel;
 pub mod ids;
 pub mod light;
@@ -21,8 +22,9 @@ pub mod shape;
 pub mod texture;
 pub mod validate;
 
-pub use camera::{Camera, FilmSize};
+pub use camera::{Camera, FilmSize, Lens, Projection};
 pub use expect::{Expect, ExpectedRadiance};
+pub use filter::PixelFilter;
 pub use ids::{MaterialId, ShapeId, TextureId};
 pub use light::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
 pub use material::{Bsdf, Material};
@@ -56,6 +58,8 @@ pub struct Scene {
     pub expect: Option<Expect>,
     /// What the file asks for and direkt does not do, or what was dropped: one sentence each.
     pub warnings: Vec<String>,
+    /// What a pixel shows of what lies around its middle.
+    pub filter: PixelFilter,
 }
 
 impl Scene {

@@ -5,7 +5,7 @@
 //! any size, loses no more than one near it. Radiance does not change; the intensity of a point light grows with the
 //! square of the scale.
 
-use super::{Geometry, Scene};
+use super::{Camera, Geometry, Lens, Projection, Scene};
 use glam::DVec3;
 
 /// The map from world space to normalised space: `(p − center) · scale`.
@@ -52,6 +52,24 @@ impl Normalization {
     /// A length of world space in normalised space.
     pub fn length(&self, length: f64) -> f64 {
         length * self.scale
+    }
+
+    /// A camera of world space in normalised space.
+    pub fn camera(&self, camera: &Camera) -> Camera {
+        Camera {
+            eye: self.point(camera.eye),
+            projection: match camera.projection {
+                Projection::Perspective { .. } => camera.projection,
+                Projection::Orthographic { height } => Projection::Orthographic {
+                    height: self.length(height),
+                },
+            },
+            lens: Lens {
+                radius: self.length(camera.lens.radius),
+                focus_distance: self.length(camera.lens.focus_distance),
+            },
+            ..*camera
+        }
     }
 
     /// The intensity of a light without extent, so that I/d² stays the same.

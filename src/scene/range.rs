@@ -1,7 +1,7 @@
 //! Whether the numbers of a valid scene are still finite once it is moved, scaled and rounded to f32.
 
 use super::normalize::{Normalization, bounds};
-use super::{Environment, EnvironmentRadiance, Geometry, Light, Scene, Shape};
+use super::{Environment, EnvironmentRadiance, Geometry, Lens, Light, Projection, Scene, Shape};
 use crate::error::InputError;
 use glam::DVec3;
 
@@ -34,6 +34,7 @@ pub(super) fn check(scene: &Scene) -> Outcome {
         normalization: Normalization::of(scene),
     };
     range.near(scene.camera.eye, || "camera.eye".to_owned())?;
+    range.camera()?;
     scene.shapes.iter().try_for_each(|s| range.shape(s))?;
     for (index, light) in scene.lights.iter().enumerate() {
         range.light(light, &format!("lights[{index}]"))?;
@@ -99,6 +100,39 @@ impl Range<'_> {
         }
         let problem = format!("lies {distance:e} times the scene's size away from it");
         self.error(field(), problem, "at most 1e18 times")
+    }
+
+    fn camera(&self) -> Outcome {
+        let camera = self.normalization.camera(&self.scene.camera);
+        let size = |length: f64, least: f64, key: &str, expected: &str| {
+            if (least..=MAX_DISTANCE).contains(&length) {
+                return Ok(());
+            }
+            let problem = format!("is {length:e} times the scene's size");
+            self.error(format!("camera.{key}"), problem, expected)
+        };
+        let between = "1e-18 to 1e18 times";
+        if let Projection::Orthographic { height } = camera.projection {
+            size(height, MIN_RADIUS, "height", between)?;
+        }
+        let Lens {
+            radius,
+            focus_distance,
+        } = camera.lens;
+        if radius <= 0.0 {
+            return Ok(());
+        }
+        size(focus_distance, MIN_RADIUS, "focus_distance", between)?;
+        size(radius, 0.0, "lens_radius", "at most 1e18 times")?;
+        if radius <= MAX_DISTANCE * focus_distance {
+            return Ok(());
+        }
+        let problem = format!("is {:e} times the focus distance", radius / focus_distance);
+        self.error(
+            "camera.lens_radius".to_owned(),
+            problem,
+            "at most 1e18 times",
+        )
     }
 
     fn bright(&self, power: DVec3, field: impl FnOnce() -> String, unit: &str) -> Outcome {

@@ -3,17 +3,18 @@
 //! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind may rely on it.
 
 mod materials;
+mod view;
 
 use super::range;
 use super::settings::MAX_SPECULAR_DEPTH;
 use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
-    Camera, Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize,
-    Geometry, Light, LightSelection, Mesh, Scene, Shape,
+    Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize, Geometry,
+    Light, LightSelection, Mesh, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::FRAC_PI_2;
 
 /// Checks a whole scene: every number in its domain, every index in range, no geometry without extent.
 ///
@@ -25,6 +26,7 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
     };
     check.film(scene.film)?;
     check.camera(&scene.camera)?;
+    check.filter(&scene.filter)?;
     for material in &scene.materials {
         materials::check(&scene.source, material)?;
         materials::textures(&scene.source, material, scene.textures.len())?;
@@ -76,34 +78,6 @@ impl Check<'_> {
         } else {
             Err(InputError::new(self.file, field(), problem(), expected))
         }
-    }
-
-    fn film(&self, film: FilmSize) -> Outcome {
-        for (side, key) in [(film.width, "width"), (film.height, "height")] {
-            self.require(
-                (1..=FilmSize::MAX_SIDE).contains(&side),
-                || format!("film.{key}"),
-                || format!("is {side}"),
-                "1 to 32768 pixels",
-            )?;
-        }
-        Ok(())
-    }
-
-    fn camera(&self, camera: &Camera) -> Outcome {
-        self.require(
-            camera.fov_y > 0.0 && camera.fov_y < PI,
-            || "camera.fov".to_owned(),
-            || format!("is {}", camera.fov_y.to_degrees()),
-            "an angle above 0 and below 180 degrees",
-        )?;
-        let frame = DMat3::from_cols(camera.right, camera.up, -camera.forward);
-        self.require(
-            camera.eye.is_finite() && is_rotation(frame),
-            || "camera".to_owned(),
-            || "its frame is not orthonormal and finite".to_owned(),
-            "right × up = −forward, as Camera::look_at makes it",
-        )
     }
 
     fn shape(&self, shape: &Shape, materials: usize) -> Outcome {

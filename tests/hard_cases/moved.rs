@@ -8,7 +8,7 @@ use direkt::gpu::Context;
 use direkt::render::{Film, Prepared, Session};
 use direkt::scene::normalize::Normalization;
 use direkt::scene::{
-    FilmSize, Geometry, Light, LightSampling, LightSelection, Sampler, Scene, Strategy,
+    FilmSize, Geometry, Light, LightSampling, LightSelection, Projection, Sampler, Scene, Strategy,
 };
 use glam::DVec3;
 
@@ -39,6 +39,11 @@ fn mapped(
     length: impl Fn(f64) -> f64,
 ) -> Scene {
     scene.camera.eye = point(scene.camera.eye);
+    scene.camera.lens.radius = length(scene.camera.lens.radius);
+    scene.camera.lens.focus_distance = length(scene.camera.lens.focus_distance);
+    if let Projection::Orthographic { height } = &mut scene.camera.projection {
+        *height = length(*height);
+    }
     for shape in &mut scene.shapes {
         match &mut shape.geometry {
             Geometry::Rectangle { corner: p, u, v } | Geometry::Disk { center: p, u, v } => {
@@ -184,5 +189,31 @@ fn a_scaled_scene_renders_like_the_original() {
                 ours,
             },
         );
+    }
+}
+
+/// A lens, what it is focused on and what an orthographic camera sees move and grow with the scene.
+#[test]
+fn cameras_move_and_grow_with_their_scenes() {
+    let context = context();
+    let offset = DVec3::new(1e7, -1e7, 1e7);
+    for name in ["depth_of_field", "isometric"] {
+        let expected = film(&context, &prepared(original(name)));
+        let off = |scene: Scene| difference(&expected, &film(&context, &prepared(scene)));
+        let mut out_of_focus = original(name);
+        out_of_focus.camera.lens.radius += 0.1;
+        assert!(
+            off(out_of_focus) > 1e-3,
+            "{name}: the lens makes no difference"
+        );
+        for (what, scene) in [
+            ("moved by 10⁷", moved(original(name), offset)),
+            ("scaled by 10⁻⁶", scaled(original(name), 1e-6)),
+            ("scaled by 10⁶", scaled(original(name), 1e6)),
+            ("both", moved(scaled(original(name), 1e-6), 1e-6 * offset)),
+        ] {
+            let off = off(scene);
+            assert!(off <= BOUND, "{name}, {what}: off by {off:e}");
+        }
     }
 }

@@ -55,12 +55,7 @@ fn unneeded_effects_compiled_in_change_nothing() {
     let mut prepared = prepared(small_cornell());
     let lean = film_of(&prepared, &[8]);
     for &effect in Effect::ALL {
-        // A map would have to be bound, and an environment would be seen.
-        let environment = matches!(
-            effect,
-            Effect::Environment | Effect::EnvironmentMap | Effect::EnvironmentLinear
-        );
-        if !environment && !effect.is_way_of_sampling() {
+        if effect.can_be_forced() {
             prepared.effects.call_for(effect, || "forced".to_owned());
         }
     }

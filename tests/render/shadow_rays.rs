@@ -7,6 +7,7 @@ use crate::support::{
 use direkt::effects::Effect;
 use direkt::reference::exact::cubature::{Tolerance, integrate};
 use direkt::render::{Check, Film, Session};
+use direkt::scene::Projection;
 use direkt::scene::{
     ExpectedRadiance, FilmSize, Geometry, Light, LightSelection, Sampler, Scene, ShadowGrid,
     ShadowPattern, Strategy,
@@ -250,7 +251,7 @@ fn center_and_grid_are_quadratures() {
             let mut scene = with_rays(square_over_floor(), rays, pattern);
             scene.film = floor_pixel().film;
             // So that what the pixel sees does not vary either.
-            scene.camera.fov_y = 1e-9;
+            scene.camera.projection = Projection::Perspective { fov_y: 1e-9 };
             scene.render.sampler = sampler;
             let pixel = render(&context, scene.clone()).pixels[0];
             let expected = FACTOR * quadrature(points);

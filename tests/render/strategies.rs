@@ -9,6 +9,7 @@ use crate::support::{
 };
 use direkt::reference::BrokenTwin;
 use direkt::render::{Film, Prepared};
+use direkt::scene::Projection;
 use direkt::scene::{
     Bsdf, FilmSize, Geometry, LightSampling, LightSelection, Sampler, Scene, ShadowPattern,
     Strategy,
@@ -262,7 +263,7 @@ fn a_furnace_is_as_bright_everywhere() {
                 radius: 2.0,
             };
             scene.shapes.push(emitter(sphere, 1.0, true));
-            scene.camera.fov_y = 1.5;
+            scene.camera.projection = Projection::Perspective { fov_y: 1.5 };
             scene.film = TWIN_FILM;
             scene.render.strategy = strategy;
             scene.render.spp = 256;

@@ -4,6 +4,7 @@ use crate::support::twin::{Part, twin_film};
 use crate::support::{STRATEGIES, context, emitter, floor_pixel, render, statistics, unit_square};
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::render::{Film, Prepared};
+use direkt::scene::Projection;
 use direkt::scene::{FilmSize, Geometry, Scene, Strategy};
 use direkt::stats::moments::Moments;
 use direkt::stats::t_test::one_sample;
@@ -170,7 +171,7 @@ fn projected_solid_angle_leaves_no_variance() {
         scene.shapes.push(emitter(wall, 1.0, true));
         scene.render.spp = 256;
         // So that what the pixel sees does not vary either.
-        scene.camera.fov_y = 1e-9;
+        scene.camera.projection = Projection::Perspective { fov_y: 1e-9 };
         let relative = |strategy: Strategy| {
             let mut scene = scene.clone();
             scene.render.strategy = strategy;

@@ -65,7 +65,7 @@ fn syntax_and_keys() {
     );
     says(
         refused("[film]\nwidth = 5\nheigth = 5\n"),
-        "film.heigth: unknown key `heigth` (line 3); expected `width` or `height`",
+        "film.heigth: unknown key `heigth` (line 3); expected `width`, `height`, `filter`, `filter_radius`, `filter_stddev`",
     );
     says(
         shape("type = \"sphere\"\nradiuss = 2"),
@@ -89,7 +89,7 @@ fn syntax_and_keys() {
     );
     says(
         refused("[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\n"),
-        "camera: missing key `fov` (line 1)",
+        "camera: missing key `fov`; expected an angle above 0 and below 180 degrees",
     );
     says(
         refused("[render]\nstrategy = \"magic\"\n"),

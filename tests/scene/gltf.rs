@@ -5,7 +5,7 @@ use super::textures::{png, with_texture};
 use crate::support::shared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::material::DielectricLayer;
-use direkt::scene::{Bsdf, Geometry, Light, Mesh, Scene};
+use direkt::scene::{Bsdf, Geometry, Light, Mesh, Projection, Scene};
 use glam::DVec3;
 use serde_json::json;
 
@@ -122,6 +122,36 @@ fn materials_emission_and_sides() {
     );
 }
 
+/// `ymag` is half the height of what is seen; the node's scale is none of the camera's, that of the including file is.
+#[test]
+fn orthographic_cameras() {
+    let nodes = json!([{ "mesh": 0, "camera": 0, "scale": [3, 3, 3] }]);
+    let json = with(triangle_gltf(), "/nodes", nodes);
+    let camera = |ymag: f64| {
+        let magnification = json!({ "xmag": 1, "ymag": ymag, "zfar": 9, "znear": 0.1 });
+        let cameras = json!([{ "type": "orthographic", "orthographic": magnification }]);
+        with(json.clone(), "/cameras", cameras)
+    };
+    let scene = load_gltf(&camera(1.5)).expect("a valid glTF");
+    assert_eq!(
+        scene.camera.projection,
+        Projection::Orthographic { height: 3.0 }
+    );
+    assert_eq!(
+        load_gltf(&camera(-1.5)).expect_err("it must be refused"),
+        "DIR/scene.gltf: cameras[0].orthographic.ymag: is -1.5; expected half the height of what is seen, above 0"
+    );
+    let folder = Folder::new();
+    folder.write("part.gltf", camera(1.5).to_string());
+    let text = "[[gltf]]\nfile = \"part.gltf\"\ntransform = [{ scale = 2 }]\n";
+    folder.write("scene.toml", text);
+    let scene = folder.load("scene.toml").expect("a valid scene");
+    assert_eq!(
+        scene.camera.projection,
+        Projection::Orthographic { height: 6.0 }
+    );
+}
+
 #[test]
 fn cameras_and_lights_look_along_minus_z() {
     let json = with(
@@ -154,7 +184,7 @@ fn cameras_and_lights_look_along_minus_z() {
     let scene = load_gltf(&json).expect("a valid glTF");
     assert!(scene.camera.forward.distance(DVec3::NEG_X) < 1e-7);
     assert_eq!(scene.camera.eye, DVec3::new(0.0, 0.0, 9.0));
-    assert!((scene.camera.fov_y - 0.5).abs() < 1e-12);
+    assert!((scene.camera.half_height() - 0.25_f64.tan()).abs() < 1e-12);
     assert_eq!(
         scene.lights[0],
         Light::Point {
@@ -243,7 +273,6 @@ fn what_is_left_out_is_said_once() {
             "scene.gltf: vertex colours of 1 primitive are not supported and ignored",
             "scene.gltf: morph targets of 1 primitive are not supported: the base shape is rendered",
             "scene.gltf: points and lines of 1 primitive are not rendered",
-            "scene.gltf: 1 orthographic camera is ignored: only perspective cameras are supported",
             "scene.gltf: 1 animation is ignored: the scene is rendered as it stands",
             "scene.gltf: only the default one of 2 scenes is rendered",
             "scene.gltf: the extension KHR_materials_sheen is not supported and ignored",

@@ -1,5 +1,6 @@
 //! Scene files: what they mean, and how bad ones are refused.
 
+mod bad_cameras;
 mod bad_gltf;
 mod bad_toml;
 mod broken_files;

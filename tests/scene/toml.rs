@@ -2,7 +2,9 @@
 
 use super::files::{Folder, load_toml};
 use direkt::scene::load::{LoadOptions, schema};
-use direkt::scene::{Bsdf, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Scene};
+use direkt::scene::{
+    Bsdf, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Projection, Scene,
+};
 use glam::DVec3;
 
 const CAMERA: &str = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nfov = 40\n";
@@ -124,6 +126,36 @@ fn cameras_by_matrix_and_by_points_are_the_same() {
         .expect("a straight-down view is fine")
         .camera;
     assert!(near(down.forward, DVec3::NEG_Y) && (down.up.length() - 1.0).abs() < 1e-12);
+}
+
+/// What is not said is a pinhole, the plane through `target`, and the pixel's own square.
+#[test]
+fn lenses_projections_and_filters() {
+    let view = "[camera]\neye = [0, 3, 4]\ntarget = [0, 0, 0]\n";
+    let load = |rest: &str| load_toml(&format!("{view}{rest}")).expect("the scene is valid");
+    let plain = load("fov = 40\n");
+    assert!(!plain.camera.is_orthographic() && plain.filter.is_pixel());
+    assert_eq!(plain.camera.lens.radius, 0.0);
+    assert_eq!(load("fov = 40\nlens_radius = 0\n").camera, plain.camera);
+    let same = load("fov = 40\n[film]\nfilter = \"box\"\nfilter_radius = 0.5\n");
+    assert_eq!(same.filter, plain.filter);
+    let lens = load("fov = 40\nlens_radius = 0.25\n").camera.lens;
+    assert_eq!((lens.radius, lens.focus_distance), (0.25, 5.0));
+    let lens = load("fov = 40\nlens_radius = 0.25\nfocus_distance = 2\n")
+        .camera
+        .lens;
+    assert_eq!((lens.radius, lens.focus_distance), (0.25, 2.0));
+    let orthographic = load("type = \"orthographic\"\nheight = 3\n").camera;
+    assert_eq!(
+        orthographic.projection,
+        Projection::Orthographic { height: 3.0 }
+    );
+    for (filter, radius) in [("tent", 1.0), ("gaussian", 1.5), ("blackman-harris", 2.0)] {
+        let text = format!("fov = 40\n[film]\nfilter = \"{filter}\"\n");
+        assert_eq!(load(&text).filter.radius, radius, "{filter}");
+        let wider = format!("{text}filter_radius = 2.5\n");
+        assert_eq!(load(&wider).filter.radius, 2.5, "{filter}");
+    }
 }
 
 #[test]
@@ -362,7 +394,7 @@ fn the_schema_describes_every_table() {
         "look_at",
         "two_sided",
         "mis-power",
-        "Vertical field of view",
+        "vertical field of view",
     ] {
         assert!(text.contains(word), "{word}");
     }

@@ -14,7 +14,7 @@ use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
     Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, MaterialTextures,
-    RenderSettings, Sampler, Scene, Shape, Strategy,
+    PixelFilter, RenderSettings, Sampler, Scene, Shape, Strategy,
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
@@ -198,6 +198,7 @@ pub fn floor_pixel() -> Scene {
         },
         expect: None,
         warnings: vec![],
+        filter: PixelFilter::default(),
     }
 }
 

@@ -1,7 +1,8 @@
 //! Every number of a scene, to be replaced by any other: scenes that no file could describe, for `validate`.
 
 use direkt::scene::{
-    Bsdf, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Material, Scene, Shape,
+    Bsdf, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Material, Projection, Scene,
+    Shape,
 };
 use glam::DVec3;
 
@@ -13,7 +14,15 @@ pub fn visit(scene: &mut Scene, visit: &mut impl FnMut(f64) -> f64) {
     visit.vector(&mut camera.right);
     visit.vector(&mut camera.up);
     visit.vector(&mut camera.forward);
-    visit.number(&mut camera.fov_y);
+    match &mut camera.projection {
+        Projection::Perspective { fov_y: size } | Projection::Orthographic { height: size } => {
+            visit.number(size);
+        }
+    }
+    visit.number(&mut camera.lens.radius);
+    visit.number(&mut camera.lens.focus_distance);
+    visit.number(&mut scene.filter.radius);
+    visit.number(&mut scene.filter.stddev);
     visit.integer(&mut scene.film.width);
     visit.integer(&mut scene.film.height);
     for m in &mut scene.materials {

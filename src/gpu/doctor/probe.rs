@@ -17,7 +17,7 @@ pub fn probe(
     outputs: usize,
     workgroups: [u32; 2],
 ) -> Result<Vec<u32>, GpuError> {
-    let wgsl = shader::link(&format!("kernel::{name}"), [], Config { stack_depth: 4 })?;
+    let wgsl = shader::link(&format!("kernel::{name}"), [], Config::default())?;
     let device = &context.device;
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
     let answers: GpuBuffer<u32> = GpuBuffer::zeroed(device, "probe.answers", outputs, usage);

@@ -6,6 +6,7 @@
 
 use super::camera::camera_ray;
 use super::camera_path::follow_camera_ray;
+use super::filter::film_point;
 use super::sample::{BsdfRay, Sample};
 use super::shadow_rays::{LightNumbers, ShadowRays};
 use crate::accel::PrimitiveGeometry;
@@ -37,6 +38,7 @@ use crate::reference::scene::surface::{Surface, is_above, shadow_ray, surface_at
 use crate::reference::scene::trace::{any_hit, closest_hit};
 use crate::render::Prepared;
 use crate::scene::FilmSize;
+use crate::scene::filter::FilterTable;
 use glam::{DVec2, DVec3};
 
 /// The estimator in f64, with the renderer's random numbers.
@@ -50,6 +52,7 @@ pub struct Direct<'a> {
     sample_lights: bool,
     sample_bsdf: bool,
     hemisphere: Option<Hemisphere>,
+    filter: FilterTable,
     balance: bool,
     broken: Option<BrokenTwin>,
     left_out: u32,
@@ -80,6 +83,7 @@ impl<'a> Direct<'a> {
             sample_lights: prepared.effects.contains(Effect::SampleLights),
             sample_bsdf: prepared.effects.contains(Effect::SampleBsdf),
             hemisphere: hemisphere(prepared),
+            filter: prepared.scene.filter.table(),
             balance: prepared.effects.contains(Effect::BalanceHeuristic),
             broken,
             left_out: likeliest.unwrap_or(u32::MAX),
@@ -99,13 +103,11 @@ impl<'a> Direct<'a> {
 
     /// The ray of sample `index` of the pixel (x, y).
     pub fn camera_ray(&self, x: u32, y: u32, index: u64) -> Ray {
-        let film = self.numbers.group(self.id(x, y, index), GROUP_FILM);
-        let corner = DVec2::new(f64::from(x), f64::from(y));
-        camera_ray(
-            &self.world,
-            self.size,
-            corner + to_unit_2d(film[0], film[1]),
-        )
+        let words = self.numbers.group(self.id(x, y, index), GROUP_FILM);
+        let pixel = DVec2::new(f64::from(x), f64::from(y));
+        let film = film_point(&self.filter, pixel, to_unit_2d(words[0], words[1]));
+        let lens = to_unit_2d(words[2], words[3]);
+        camera_ray(&self.world, self.size, film, lens)
     }
 
     fn id(&self, x: u32, y: u32, index: u64) -> SampleId {

@@ -1,6 +1,6 @@
 //! The camera of a scene that has none: the whole geometry fits the film.
 
-use crate::scene::{Camera, FilmSize, Geometry, Shape};
+use crate::scene::{Camera, FilmSize, Geometry, Lens, Projection, Shape};
 use glam::DVec3;
 
 /// Vertical field of view of a framed camera, in degrees.
@@ -25,7 +25,8 @@ pub(super) fn framed(shapes: &[Shape], film: FilmSize) -> Camera {
         right: DVec3::X,
         up: DVec3::Y,
         forward: DVec3::NEG_Z,
-        fov_y,
+        projection: Projection::Perspective { fov_y },
+        lens: Lens::PINHOLE,
     }
 }
 
@@ -85,8 +86,8 @@ mod tests {
             let camera = framed(&shapes, film);
             // Corners of the front face, in units of the film's half sides.
             let depth = camera.eye.z - 4.0;
-            let y = 2.0 / depth / (0.5 * camera.fov_y).tan();
-            let x = 6.0 / depth / (0.5 * camera.fov_y).tan() / film.aspect();
+            let y = 2.0 / depth / camera.half_height();
+            let x = 6.0 / depth / camera.half_height() / film.aspect();
             assert!((x.max(y) - 0.95).abs() < 1e-12, "{x} {y}");
             assert_eq!(camera.eye.truncate(), glam::DVec2::new(0.0, 1.0));
         }

@@ -4,6 +4,7 @@ mod accumulate;
 mod camera;
 mod camera_path;
 mod direct;
+mod filter;
 mod lab_bindings;
 mod lab_discrete;
 mod lab_estimators;

@@ -5,6 +5,7 @@ use super::prepared;
 use crate::support::context;
 use crate::support::every_kind::{environment_map, every_kind};
 use crate::support::shader::{Function, call_in};
+use direkt::gpu::environment::EnvironmentBuffers;
 use direkt::gpu::{SceneBuffers, scene_buffers};
 use direkt::scene::EnvironmentRadiance;
 use direkt::scene::light::Interpolation;
@@ -118,5 +119,44 @@ fn texels_are_the_maps() {
     };
     for (i, (found, texel)) in answers.vec3(0).zip(&map.texels).enumerate() {
         assert_eq!(found.as_vec3().to_array(), *texel, "texel {i}");
+    }
+}
+
+/// What `explain` tells of memory: naming every field here makes a new one a mistake until it is counted.
+#[test]
+fn buffers_are_as_large_as_is_told() {
+    let context = context();
+    for environment in [
+        environment_map(Interpolation::Linear),
+        environment_map(Interpolation::Nearest),
+    ] {
+        let prepared = prepared(every_kind(environment));
+        let SceneBuffers {
+            nodes,
+            primitives,
+            materials,
+            lights,
+            light_alias,
+            environment,
+        } = SceneBuffers::new(&context, &prepared).unwrap();
+        let EnvironmentBuffers {
+            alias,
+            texels,
+            grid: _,
+        } = environment.unwrap();
+        let size = texels.texture().size();
+        let found = [
+            ("scene.nodes", nodes.bytes()),
+            ("scene.primitives", primitives.bytes()),
+            ("scene.materials", materials.bytes()),
+            ("scene.lights", lights.bytes()),
+            ("scene.light_alias", light_alias.bytes()),
+            ("scene.environment_alias", alias.bytes()),
+            (
+                "scene.environment",
+                u64::from(size.width * size.height) * 16,
+            ),
+        ];
+        assert_eq!(SceneBuffers::sizes(&prepared), found);
     }
 }

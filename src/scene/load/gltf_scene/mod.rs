@@ -19,7 +19,8 @@ use super::mesh::{self, NamedMesh};
 use super::transform;
 use crate::error::InputError;
 use crate::scene::{
-    Camera, FilmSize, Geometry, Light, Material, MaterialId, RenderSettings, Scene, Shape, Texture,
+    Camera, FilmSize, Geometry, Light, Material, MaterialId, PixelFilter, RenderSettings, Scene,
+    Shape, Texture,
 };
 use document::Document;
 use glam::DAffine3;
@@ -57,6 +58,7 @@ pub(super) fn load_scene(path: &Path, folders: &Folders) -> Result<Scene, InputE
         render: RenderSettings::default(),
         expect: None,
         warnings: imported.warnings,
+        filter: PixelFilter::default(),
     })
 }
 

@@ -245,17 +245,10 @@ fn camera_and_light_warnings(document: &Document, placed: &[Placed], warnings: &
         .filter_map(|n| document.root.nodes[n.index].camera)
         .filter_map(|c| document.root.cameras.get(c.value()))
         .collect();
-    let perspective = cameras.iter().filter(|c| c.perspective.is_some()).count();
-    if perspective < cameras.len() {
-        warnings.push(format!(
-            "{file}: {} ignored: only perspective cameras are supported",
-            are(cameras.len() - perspective, "orthographic camera")
-        ));
-    }
-    if perspective > 1 {
-        warnings.push(format!(
-            "{file}: the first of {perspective} cameras is used"
-        ));
+    let usable = |c: &&&json::Camera| c.perspective.is_some() || c.orthographic.is_some();
+    let usable = cameras.iter().filter(usable).count();
+    if usable > 1 {
+        warnings.push(format!("{file}: the first of {usable} cameras is used"));
     }
     let ranged = placed
         .iter()

@@ -1,14 +1,14 @@
 //! What the tables of a scene file mean.
 
-use super::format::{CameraTable, FilmTable, GltfTable, SceneFile};
+use super::format::{GltfTable, SceneFile};
 use super::format_shapes::TransformStep;
-use super::{expect, lights, materials as material_tables, shapes, textures};
+use super::{camera, expect, lights, materials as material_tables, shapes, textures};
 use crate::error::InputError;
 use crate::scene::load::files::{self, Folders};
 use crate::scene::load::gltf_scene::FirstIds;
 use crate::scene::load::texture::Textures;
 use crate::scene::load::{frame, gltf_scene, transform};
-use crate::scene::{Camera, FilmSize, MaterialId, Scene};
+use crate::scene::{Camera, MaterialId, Scene};
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -45,8 +45,12 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         material_ids: BTreeMap::new(),
         warnings: Vec::new(),
     };
-    let film = film(&context, &file.film)?;
-    let mut camera = file.camera.map(|c| camera_of(&context, &c)).transpose()?;
+    let film = camera::film(&context, &file.film)?;
+    let filter = camera::filter(&context, &file.film)?;
+    let mut camera = file
+        .camera
+        .map(|c| camera::camera(&context, &c))
+        .transpose()?;
     let mut materials = Vec::new();
     let mut textures = Textures::new(0);
     for (name, table) in file.materials {
@@ -100,82 +104,12 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         render: file.render,
         expect,
         warnings: context.warnings,
-    })
-}
-
-fn film(context: &Context, table: &FilmTable) -> Result<FilmSize, InputError> {
-    let side = |value: i64, key: &str| {
-        u32::try_from(value)
-            .ok()
-            .filter(|v| (1..=FilmSize::MAX_SIDE).contains(v))
-            .ok_or_else(|| {
-                context.error(
-                    format!("film.{key}"),
-                    format!("is {value}"),
-                    format!("1 to {} pixels", FilmSize::MAX_SIDE),
-                )
-            })
-    };
-    Ok(FilmSize {
-        width: side(table.width, "width")?,
-        height: side(table.height, "height")?,
-    })
-}
-
-fn camera_of(context: &Context, table: &CameraTable) -> Result<Camera, InputError> {
-    if !(table.fov > 0.0 && table.fov < 180.0) {
-        return Err(context.error(
-            "camera.fov",
-            format!("is {}", table.fov),
-            "an angle above 0 and below 180 degrees",
-        ));
-    }
-    let fov_y = table.fov.to_radians();
-    match (table.eye, table.target, table.matrix) {
-        (Some(eye), Some(target), None) => {
-            let up = table.up.map_or(DVec3::Y, DVec3::from_array);
-            let (from, to) = (DVec3::from_array(eye), DVec3::from_array(target));
-            Camera::look_at(from, to, up, fov_y).ok_or_else(|| {
-                context.error(
-                    "camera.target",
-                    format!("is the eye, {eye:?}"),
-                    "a point in front of the eye",
-                )
-            })
-        }
-        (None, None, Some(matrix)) if table.up.is_none() => camera_of_matrix(&matrix, fov_y)
-            .ok_or_else(|| {
-                context.error(
-                    "camera.matrix",
-                    "is not a rotation and a translation (a uniform scale is allowed)",
-                    "a camera-to-world matrix, row by row, with the last row [0, 0, 0, 1]",
-                )
-            }),
-        _ => Err(context.error(
-            "camera",
-            "its position is given in parts or twice",
-            "`eye` and `target` (and `up`), or `matrix`",
-        )),
-    }
-}
-
-/// A camera from camera-to-world; `None` when that shears, mirrors or projects.
-fn camera_of_matrix(rows: &[[f64; 4]; 4], fov_y: f64) -> Option<Camera> {
-    let to_world = affine(rows)?;
-    let m = to_world.matrix3;
-    let scale = m.determinant().cbrt();
-    let rotation = m * (1.0 / scale);
-    let off = rotation.transpose() * rotation - DMat3::IDENTITY;
-    let is_rotation = scale > 0.0 && off.to_cols_array().iter().all(|x| x.abs() < 1e-4);
-    let camera = Camera::look_at(DVec3::ZERO, -rotation.z_axis, rotation.y_axis, fov_y)?;
-    is_rotation.then_some(Camera {
-        eye: to_world.translation,
-        ..camera
+        filter,
     })
 }
 
 /// An affine transform from a matrix by rows; `None` when the last row is another than `[0, 0, 0, 1]`.
-fn affine(rows: &[[f64; 4]; 4]) -> Option<DAffine3> {
+pub(super) fn affine(rows: &[[f64; 4]; 4]) -> Option<DAffine3> {
     let matrix = DMat4::from_cols_array_2d(rows).transpose();
     let last = matrix.row(3) - glam::DVec4::W;
     (last.abs().max_element() <= 0.0).then(|| DAffine3::from_mat4(matrix))

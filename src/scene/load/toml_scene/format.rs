@@ -1,6 +1,7 @@
 //! The types of a scene file. Their doc comments are the descriptions in the JSON Schema.
 
 use crate::scene::RenderSettings;
+use crate::scene::filter::FilterKind;
 use crate::scene::light::Interpolation;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -43,11 +44,14 @@ pub(super) struct SceneFile {
     pub(super) expect: Option<ExpectTable>,
 }
 
-/// A pinhole camera: `eye` and `target`, or `matrix`.
+/// A camera: `eye` and `target`, or `matrix`; with a `lens_radius`, a thin lens.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CameraTable {
-    /// Centre of projection.
+    /// How points of the scene come to lie on the image.
+    #[serde(rename = "type", default)]
+    pub(super) kind: CameraKind,
+    /// Centre of projection, or the middle of the plane that parallel rays start on.
     pub(super) eye: Option<[f64; 3]>,
     /// A point in the middle of the image.
     pub(super) target: Option<[f64; 3]>,
@@ -55,11 +59,29 @@ pub(super) struct CameraTable {
     pub(super) up: Option<[f64; 3]>,
     /// Camera to world, row by row; the camera looks along its −z with +y up, as in glTF.
     pub(super) matrix: Option<[[f64; 4]; 4]>,
-    /// Vertical field of view in degrees, above 0 and below 180.
-    pub(super) fov: f64,
+    /// Of a perspective camera: vertical field of view in degrees, above 0 and below 180.
+    pub(super) fov: Option<f64>,
+    /// Of an orthographic camera: height of what is seen, above 0.
+    pub(super) height: Option<f64>,
+    /// Radius of the lens, not negative; 0, a pinhole, when left out.
+    #[serde(default)]
+    pub(super) lens_radius: f64,
+    /// Distance from the eye, along the viewing direction, of the plane that is sharp, above 0; that of `target` when left out.
+    pub(super) focus_distance: Option<f64>,
 }
 
-/// Size of the image in pixels.
+/// How points of the scene come to lie on the image.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum CameraKind {
+    /// Through the eye, by `fov`.
+    #[default]
+    Perspective,
+    /// By parallel rays, by `height`.
+    Orthographic,
+}
+
+/// Size of the image in pixels, and what each pixel shows.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct FilmTable {
@@ -69,6 +91,13 @@ pub(super) struct FilmTable {
     /// Rows, 1 to 32768.
     #[schemars(range(min = 1, max = 32768))]
     pub(super) height: i64,
+    /// What a pixel shows of what lies around its middle: a function of the distance along each axis.
+    pub(super) filter: FilterKind,
+    /// Distance from the pixel's middle from which on the filter is zero, in pixels, above 0. When left out: 0.5 for `box`, 1
+    /// for `tent`, 1.5 for `gaussian`, 2 for `blackman-harris`.
+    pub(super) filter_radius: Option<f64>,
+    /// Of the filter `gaussian`: its standard deviation in pixels, above 0; 0.5 when left out.
+    pub(super) filter_stddev: Option<f64>,
 }
 
 impl Default for FilmTable {
@@ -77,6 +106,9 @@ impl Default for FilmTable {
         Self {
             width: film.width.into(),
             height: film.height.into(),
+            filter: FilterKind::default(),
+            filter_radius: None,
+            filter_stddev: None,
         }
     }
 }

@@ -2,6 +2,7 @@
 //! becomes those types in [`parse`], and what they mean in [`build`], [`mod@materials`] and [`shapes`].
 
 mod build;
+mod camera;
 mod expect;
 mod format;
 mod format_materials;

@@ -1,10 +1,10 @@
 //! Bars with intervals.
 
-use crate::cost::Interval;
 use crate::drawing::frame::Area;
 use crate::drawing::scale::Scale;
 use crate::drawing::svg::{Anchor, Svg, room_for};
 use crate::drawing::text::number;
+use crate::stats::interval::Interval;
 
 /// A bar.
 #[derive(Debug, Clone)]

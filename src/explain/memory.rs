@@ -1,0 +1,38 @@
+//! What a render holds on the device.
+
+use crate::gpu::SceneBuffers;
+use crate::gpu::layout::{Dispatch, Frame, PixelState, TILE, TILE_PIXELS};
+use crate::render::Prepared;
+use crate::scene::FilmSize;
+use serde::Serialize;
+
+/// A buffer or texture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Memory {
+    /// Its label.
+    pub name: &'static str,
+    /// Its size.
+    pub bytes: u64,
+}
+
+/// Every buffer and texture of a render of `prepared` at `film` pixels.
+pub fn of(prepared: &Prepared, film: FilmSize) -> Vec<Memory> {
+    let tiles = u64::from(film.width.div_ceil(TILE)) * u64::from(film.height.div_ceil(TILE));
+    let pixels = tiles * u64::from(TILE_PIXELS) * size_of::<PixelState>() as u64;
+    let word = size_of::<u32>() as u64;
+    let of_image = [
+        ("direct.pixels", pixels),
+        ("direct.pixels.staging", pixels),
+        ("direct.frame", size_of::<Frame>() as u64),
+        ("direct.dispatch", size_of::<Dispatch>() as u64),
+        ("direct.unfinished", word),
+        ("direct.unfinished.staging", word),
+    ];
+    let all = SceneBuffers::sizes(prepared).into_iter().chain(of_image);
+    all.map(|(name, bytes)| Memory { name, bytes }).collect()
+}
+
+/// All together.
+pub fn total(memory: &[Memory]) -> u64 {
+    memory.iter().map(|m| m.bytes).sum()
+}
