@@ -5,6 +5,7 @@ use super::prepared;
 use crate::support::context;
 use crate::support::every_kind::{environment_map, every_kind};
 use crate::support::shader::{Function, call_in};
+use direkt::gpu::layout::MATERIAL_WORDS;
 use direkt::gpu::{SceneBuffers, scene_buffers};
 use direkt::scene::EnvironmentRadiance;
 use direkt::scene::light::Interpolation;
@@ -61,7 +62,7 @@ fn buffers_have_the_hosts_lengths_and_words() {
     let expected = [
         node_words.len(),
         3 * prepared.primitives.len(),
-        2 * prepared.scene.materials.len(),
+        MATERIAL_WORDS as usize * prepared.scene.materials.len(),
         4 * prepared.emitters.lights.len(),
         selection.entries.len(),
         31 * 17,
