@@ -9,7 +9,7 @@ use super::layout::{
     LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, NONE, ONE_SIDED_BIT, SKEWED_BIT, TILE, TWO_SIDED_BIT,
 };
 use super::materials::material_words;
-use super::textures::TextureArrays;
+use super::textures::{TextureArrays, atlases};
 use crate::accel::{Attributed, Node, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Selection};
 use crate::error::GpuError;
@@ -53,8 +53,8 @@ impl SceneBuffers {
         let primitives = primitive_words(prepared);
         let attributes = attribute_words(prepared);
         let textures = TextureArrays::new(context, &prepared.scene)?;
-        let atlases = [&textures.colors.atlas, &textures.data.atlas];
-        let materials = material_words(&prepared.scene, atlases);
+        let places = [&textures.colors.atlas, &textures.data.atlas];
+        let materials = material_words(&prepared.scene, places);
         let lights = light_words(prepared);
         let choice = choice_words(prepared);
         for (what, bytes) in [
@@ -98,18 +98,20 @@ impl SceneBuffers {
     /// Labels and bytes of all that [`new`](Self::new) makes for `prepared`.
     pub fn sizes(prepared: &Prepared) -> Vec<(&'static str, u64)> {
         let words = |count: usize| (count.max(1) * size_of::<Word>()) as u64;
-        let table = prepared.emitters.selection.as_ref();
-        let table = table.and_then(Selection::table);
         let nodes = prepared.bvh.nodes.len().max(1) * size_of::<Node>();
+        let scene = &prepared.scene;
+        let [colors, data] = atlases(scene);
+        let materials = material_words(scene, [&colors, &data]).len();
+        let attributes = 3 * prepared.attributes.triangles.len();
         let mut sizes = vec![
             ("scene.nodes", nodes as u64),
             ("scene.primitives", words(3 * prepared.primitives.len())),
-            ("scene.materials", words(2 * prepared.scene.materials.len())),
+            ("scene.materials", words(materials)),
             ("scene.lights", words(4 * prepared.emitters.lights.len())),
-            (
-                "scene.light_alias",
-                words(table.map_or(0, |t| t.entries.len())),
-            ),
+            ("scene.light_choice", words(choice_words(prepared).len())),
+            ("scene.attributes", words(attributes)),
+            ("scene.color_textures", colors.bytes(scene)),
+            ("scene.data_textures", data.bytes(scene)),
         ];
         let radiance = prepared.scene.environment.as_ref().map(|e| &e.radiance);
         if let (Some(EnvironmentRadiance::Map(map)), Some(grid)) =

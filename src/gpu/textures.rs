@@ -62,6 +62,19 @@ impl Atlas {
             places,
         }
     }
+
+    /// Bytes of a texel on the GPU: four where all of its textures of `scene` are made of bytes.
+    fn texel_bytes(&self, scene: &Scene) -> u32 {
+        let mut textures = self.places.keys().map(|id| &scene.textures[id.index()]);
+        let bytes = textures.all(|t| matches!(t.texels, Texels::Bytes(_)));
+        if bytes { 4 } else { 8 }
+    }
+
+    /// Its size on the GPU; one texel where there are no textures.
+    pub fn bytes(&self, scene: &Scene) -> u64 {
+        let texels = self.size.map(u64::from).iter().product::<u64>() * u64::from(self.layers);
+        texels.max(1) * u64::from(self.texel_bytes(scene))
+    }
 }
 
 /// The textures of a scene on the GPU.
@@ -80,8 +93,6 @@ pub struct TextureArray {
     pub atlas: Atlas,
     /// All layers; one of one texel where there are no textures.
     pub view: wgpu::TextureView,
-    /// Its size in memory.
-    pub bytes: u64,
 }
 
 /// The textures that the materials of `scene` read: as colours, and as other numbers.
@@ -143,8 +154,8 @@ impl TextureArray {
             .iter()
             .map(|(id, place)| (&scene.textures[id.index()], *place))
             .collect();
-        let bytes_only = |t: &Texture| matches!(t.texels, Texels::Bytes(_));
-        let format = if textures.iter().all(|(t, _)| bytes_only(t)) {
+        let texel = atlas.texel_bytes(scene);
+        let format = if texel == 4 {
             wgpu::TextureFormat::Rgba8Unorm
         } else {
             wgpu::TextureFormat::Rgba16Float
@@ -153,11 +164,6 @@ impl TextureArray {
             width: atlas.size[0].max(1),
             height: atlas.size[1].max(1),
             depth_or_array_layers: atlas.layers.max(1),
-        };
-        let texel = if format == wgpu::TextureFormat::Rgba8Unorm {
-            4
-        } else {
-            8
         };
         let view = context.checked(|| {
             let texture = context.device.create_texture(&wgpu::TextureDescriptor {
@@ -178,14 +184,7 @@ impl TextureArray {
                 ..Default::default()
             })
         })?;
-        Ok(Self {
-            atlas,
-            view,
-            bytes: u64::from(size.width)
-                * u64::from(size.height)
-                * u64::from(size.depth_or_array_layers)
-                * u64::from(texel),
-        })
+        Ok(Self { atlas, view })
     }
 }
 

@@ -41,7 +41,7 @@ fn weights_at_grazing_angles_are_between_0_and_1() {
     let function = Function {
         imports: IMPORTS,
         body: "let alpha = in_f32(3u); let wo = in_vec3f(0u);
-               let s = sample_bsdf(Material(vec3f(0.0), vec3f(1.0), alpha), wo, 0.0, in_vec2f(4u));
+               let s = sample_bsdf(Material(vec3f(0.0), vec3f(1.0), alpha, 1.0, vec3f(0.0), 0u, vec3f(0.0), 1.0, vec3f(0.0)), wo, 0.0, in_vec2f(4u));
                out_f32(0u, s.weight.x);
                out_f32(1u, textbook_weight(wo, alpha, in_vec2f(4u)));",
         inputs: 6,
@@ -77,7 +77,7 @@ fn opposite(context: &direkt::gpu::Context) -> Answers {
     let function = Function {
         imports: IMPORTS,
         body: "let wi = in_vec3f(0u); let wo = vec3f(-wi.xy, wi.z); let alpha = in_f32(3u);
-               let value = eval_bsdf(Material(vec3f(0.0), vec3f(1.0), alpha), wi, wo);
+               let value = eval_bsdf(Material(vec3f(0.0), vec3f(1.0), alpha, 1.0, vec3f(0.0), 0u, vec3f(0.0), 1.0, vec3f(0.0)), wi, wo);
                out_f32(0u, value.f_cos.x);
                out_f32(1u, value.pdf.value);
                out_f32(2u, textbook_f(wi, wo, alpha) * wi.z);",
@@ -127,7 +127,7 @@ fn light_from_below_the_surface_is_not_reflected() {
     let context = context();
     let function = Function {
         imports: IMPORTS,
-        body: "let m = Material(vec3f(in_f32(7u)), vec3f(0.04), in_f32(6u));
+        body: "let m = Material(vec3f(in_f32(7u)), vec3f(0.04), in_f32(6u), 1.0, vec3f(0.0), 0u, vec3f(0.0), 1.0, vec3f(0.0));
                out_vec3f(0u, eval_bsdf(m, in_vec3f(0u), in_vec3f(3u)).f_cos);
                out_f32(3u, in_f32(7u) / 3.14159265 * abs(in_f32(2u)));",
         inputs: 8,

@@ -170,8 +170,8 @@ fn numbers_out_of_their_domain() {
         "materials.m.reflectance: is [0.5, 1.5, 0.5]; expected each channel from 0 to 1",
     );
     says(
-        refused("[materials.m]\ntype = \"conductor\"\nreflectance = 1\nalpha = 0\n"),
-        "materials.m.alpha: is 0; expected a number above 0 and up to 1",
+        refused("[materials.m]\ntype = \"conductor\"\nreflectance = 1\nalpha = 1.25\n"),
+        "materials.m.alpha: is 1.25; expected a number from 0 to 1",
     );
 }
 

@@ -281,7 +281,7 @@ fn empty_scenes_and_scenes_without_light_are_fine() {
 }
 
 #[test]
-fn sharp_materials_are_named_once() {
+fn lobes_that_are_too_narrow_are_mirrors() {
     let scene = scene(
         r#"
         [materials.mirror]
@@ -293,14 +293,20 @@ fn sharp_materials_are_named_once() {
         base_color = 1
         metallic = 1
         roughness = 0
+        [materials.rough]
+        type = "conductor"
+        reflectance = 1
+        alpha = 1e-4
         [environment]
         radiance = 1
         "#,
     );
-    assert_eq!(
-        scene.warnings,
-        ["GGX widths below 0.0001 are raised to it: mirror, polished"]
-    );
+    assert_eq!(scene.warnings, [""; 0]);
+    let mirrors = scene
+        .materials
+        .iter()
+        .map(|m| m.bsdf.parameters().is_specular());
+    assert_eq!(mirrors.collect::<Vec<_>>(), [true, true, false]);
 }
 
 #[test]

@@ -5,7 +5,7 @@ use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
 /// Narrower lobes are left as they are.
-pub const MIN_COMPENSATED_ALPHA: f64 = 0.01;
+pub const MIN_COMPENSATED_ALPHA: f64 = 1.0 / 128.0;
 
 /// Coefficients of the powers of α, for each power of t.
 const DEFICIT: [[f64; 4]; 5] = [

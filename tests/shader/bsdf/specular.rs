@@ -255,7 +255,8 @@ fn the_twin_keeps_energy_and_snells_law() {
             assert!((last.weight.x * eta * eta - 1.0).abs() < 1e-12);
             let sine = last.wi.truncate().length();
             assert!((sine * eta - wo.truncate().length()).abs() < 1e-12);
-            assert!((last.wi.length() - 1.0).abs() < 1e-12);
+            // Directions are rounded to f32.
+            assert!((last.wi.length() - 1.0).abs() < 4.0 * U);
         }
     }
 }

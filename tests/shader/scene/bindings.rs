@@ -6,6 +6,7 @@ use crate::support::context;
 use crate::support::every_kind::{environment_map, every_kind};
 use crate::support::shader::{Function, call_in};
 use direkt::gpu::environment::EnvironmentBuffers;
+use direkt::gpu::layout::MATERIAL_WORDS;
 use direkt::gpu::{SceneBuffers, scene_buffers};
 use direkt::scene::EnvironmentRadiance;
 use direkt::scene::light::Interpolation;
@@ -62,7 +63,7 @@ fn buffers_have_the_hosts_lengths_and_words() {
     let expected = [
         node_words.len(),
         3 * prepared.primitives.len(),
-        2 * prepared.scene.materials.len(),
+        MATERIAL_WORDS as usize * prepared.scene.materials.len(),
         4 * prepared.emitters.lights.len(),
         selection.entries.len(),
         31 * 17,
@@ -136,8 +137,10 @@ fn buffers_are_as_large_as_is_told() {
             primitives,
             materials,
             lights,
-            light_alias,
+            light_choice,
             environment,
+            attributes,
+            textures,
         } = SceneBuffers::new(&context, &prepared).unwrap();
         let EnvironmentBuffers {
             alias,
@@ -145,12 +148,18 @@ fn buffers_are_as_large_as_is_told() {
             grid: _,
         } = environment.unwrap();
         let size = texels.texture().size();
+        for array in [&textures.colors, &textures.data] {
+            assert_eq!(array.view.texture().size().width, 1, "no texture");
+        }
         let found = [
             ("scene.nodes", nodes.bytes()),
             ("scene.primitives", primitives.bytes()),
             ("scene.materials", materials.bytes()),
             ("scene.lights", lights.bytes()),
-            ("scene.light_alias", light_alias.bytes()),
+            ("scene.light_choice", light_choice.bytes()),
+            ("scene.attributes", attributes.bytes()),
+            ("scene.color_textures", 4),
+            ("scene.data_textures", 4),
             ("scene.environment_alias", alias.bytes()),
             (
                 "scene.environment",

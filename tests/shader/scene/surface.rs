@@ -216,7 +216,7 @@ fn shadow_rays_do_not_descend() {
                   import package::scene::fetch::Material;
                   import package::scene::surface::{Surface, shadow_ray};",
         body: "let f = frame_from_normal(in_vec3f(3u));
-               let material = Material(vec3f(0.0), vec3f(0.0), 0.0);
+               var material: Material;
                let s = Surface(in_vec3f(0u), in_vec3f(0u), f, vec3f(0.0), material, 0u, 0u, true, f.z, 1.0, vec3f(0.0));
                let ray = shadow_ray(s, in_vec3f(6u));
                out_vec3f(0u, ray.origin); out_vec3f(3u, ray.direction);",

@@ -32,7 +32,8 @@ fn rounded(m: BsdfParameters) -> BsdfParameters {
             };
             SpecularLobe {
                 compensated: s.compensated,
-                ..SpecularLobe::new(fresnel, f64::from(s.alpha as f32))
+                alpha: f64::from(s.alpha as f32),
+                ..SpecularLobe::new(fresnel, 1.0)
             }
         }),
         transmission: None,

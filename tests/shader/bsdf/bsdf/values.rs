@@ -109,7 +109,7 @@ fn values_are_the_twins(materials: Vec<BsdfParameters>, features: &'static [&'st
     }
 }
 
-/// Absolute error of the compensation's f_r cosθ: 2⁻²⁴ of the terms of a deficit, which add up to 200 at most and have up to
+/// Absolute error of the compensation's f_r cosθ: 2⁻²⁴ of the terms of a deficit, which add up to 280 at most and have up to
 /// 12 roundings, times t(1 − t) ≤ 1/4, times the other deficit over π(1 − Ē).
 fn compensation_error(lobe: &SpecularLobe, cos_i: f64, cos_o: f64) -> DVec3 {
     if cos_i <= 0.0 || cos_o <= 0.0 {
@@ -117,7 +117,7 @@ fn compensation_error(lobe: &SpecularLobe, cos_i: f64, cos_o: f64) -> DVec3 {
     }
     let deficits = ggx_albedo_deficit(cos_i, lobe.alpha) + ggx_albedo_deficit(cos_o, lobe.alpha);
     let scale = deficits / (std::f64::consts::PI * ggx_average_deficit(lobe.alpha));
-    compensation_fresnel(lobe) * (12.0 * 200.0 * 0.25 * U * scale * cos_i)
+    compensation_fresnel(lobe) * (12.0 * 280.0 * 0.25 * U * scale * cos_i)
 }
 
 /// Directions that leave the horizon, and weights: with F ≤ 1 a conductor's weight F·G2/G1 and a Lambert's albedo are in
