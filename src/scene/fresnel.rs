@@ -57,12 +57,15 @@ mod tests {
     use super::*;
     use crate::reference::exact::fresnel;
 
+    /// The reference's 1 − sin²θ_t loses digits where that is small: at grazing angles between indices that are all but equal.
     #[test]
     fn dielectrics_are_fresnels() {
         for eta in [1.0, 1.000_001, 1.5, 2.4, 1.0 / 1.5] {
             for cos in [1e-6, 0.1, 0.5, 0.7, 0.8, 1.0] {
                 let exact = fresnel::dielectric_reflectance(cos, eta);
-                assert!((dielectric_reflectance(cos, eta) - exact).abs() < 1e-14);
+                let left = cos * cos + (eta * eta - 1.0).abs();
+                let bound = 1e-14 + 4.0 * f64::EPSILON / left;
+                assert!((dielectric_reflectance(cos, eta) - exact).abs() < bound);
             }
         }
     }
