@@ -60,9 +60,20 @@
 //!
 //! # How to add
 //!
-//! - **an effect**: a variant in [`effects::Effect`] with its WESL feature, the rule that calls for it in
-//!   [`effects::called_for`], and the code under `@if(FEATURE)`. `tests/permutations.rs` links it alone. Its twin goes to
-//!   [`mod@reference`], and its name to [`reference::twin::SUPPORTED`]: until then scenes that call for it are not compared.
+//! - **an effect**: an entry in the table of [`effects`] with its WESL feature, name and the rule that calls for it; the code
+//!   under `@if(FEATURE)` in a file of `shaders/`, its twin in the file of the same name of [`mod@reference`], its test in the
+//!   file of the same name of `tests/shader/`, and a scene of it in `scenes/tests/`. Everything else follows from the entry:
+//!   `tests/permutations.rs` links it alone, `explain` tells of it, `compare` compares it. Depth of field, for example, is
+//!
+//!   ```text
+//!   src/effects.rs                    DepthOfField "DEPTH_OF_FIELD" "depth-of-field" Simulation |r| r.depth_of_field();
+//!   shaders/kernel/camera.wesl        @if(DEPTH_OF_FIELD) { … frame.lens_right … }
+//!   src/reference/kernel/camera.rs    the same in f64
+//!   tests/shader/kernel/camera.rs     GPU against twin, ray by ray
+//!   scenes/tests/thin_lens_blur.toml  a disk out of focus, and the exact value of its blur
+//!   ```
+//!
+//!   An effect that reads new data adds it to [`scene`] with its loader, and a member of `Frame` or a buffer.
 //! - **a light**: a variant of [`scene::Light`] or an emitting shape, its power and normalised form in [`emitters`],
 //!   its record in [`gpu::scene_buffers`] and `shaders/scene/fetch.wesl`, `sample_`/`pdf_` functions in
 //!   `shaders/light/`, its case in `shaders/light/light.wesl`, its effect, and a scene in `scenes/tests/` with an exact

@@ -83,7 +83,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         bar.set_position(done);
     })
     .map_err(|e| match e {
-        CompareError::Unsupported(e) => Error::Usage(format!("{path}: {e}")),
         CompareError::NotExact(e) => Error::Usage(format!("--exact: {path}: {e}")),
         CompareError::Gpu(e) => Error::Gpu(e),
     })?;

@@ -18,7 +18,7 @@ use crate::gpu::Context;
 use crate::gpu::layout::SampleRecord;
 use crate::gpu::recorder::Recorder;
 use crate::reference::exact::scene::NotExact;
-use crate::reference::{BrokenTwin, Sample, Twin, UnsupportedEffect};
+use crate::reference::{BrokenTwin, Sample, Twin};
 use crate::render::{Prepared, Session};
 use crate::scene::FilmSize;
 use crate::stats::sidak::{FAMILY_LEVEL, Family};
@@ -85,9 +85,6 @@ pub fn minimum_samples(film: FilmSize) -> u64 {
 /// What a comparison can fail with.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
-    /// The scene calls for an effect that the reference lacks.
-    #[error(transparent)]
-    Unsupported(#[from] UnsupportedEffect),
     /// Exact answers were asked for, and the scene has none.
     #[error(transparent)]
     NotExact(#[from] NotExact),
@@ -155,8 +152,8 @@ pub fn compare(
         broken,
         exact,
     } = *settings;
-    let twin = Twin::new(prepared, film, seed, broken)?;
-    let other = Twin::new(prepared, film, independent(seed), broken)?;
+    let twin = Twin::new(prepared, film, seed, broken);
+    let other = Twin::new(prepared, film, independent(seed), broken);
     let mut exact = exact
         .then(|| exact::Accumulator::new(&twin, film.width))
         .transpose()?;

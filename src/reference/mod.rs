@@ -21,4 +21,4 @@ pub mod twin;
 pub use broken::BrokenTwin;
 pub use kernel::direct::Direct;
 pub use kernel::sample::{BsdfRay, Conditions, Path, Sample, Shadow};
-pub use twin::{Twin, UnsupportedEffect};
+pub use twin::Twin;

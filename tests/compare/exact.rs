@@ -102,7 +102,7 @@ fn assert_rejected(name: &str, mut scene: Scene, broken: impl Fn(BrokenTwin) -> 
     let film = scaled(scene.film, pixels as u32);
     let selection = scene.render.light_selection;
     let prepared = Prepared::new(scene, Strategy::MisPower, selection);
-    let honest = Twin::new(&prepared, film, 3, None).unwrap();
+    let honest = Twin::new(&prepared, film, 3, None);
     let answers = ExactScene::new(honest.direct().world()).unwrap();
     let exact: Vec<DVec3> = (0..film.pixels() as u32)
         .into_par_iter()
@@ -127,7 +127,7 @@ fn assert_rejected(name: &str, mut scene: Scene, broken: impl Fn(BrokenTwin) -> 
         &format!("honest twin, exact {name}, seed 3"),
     );
     for row in BROKEN_TWINS.iter().filter(|row| broken(row.twin)) {
-        let broken = Twin::new(&prepared, film, 3, Some(row.twin)).unwrap();
+        let broken = Twin::new(&prepared, film, 3, Some(row.twin));
         statistics::reject(p_value(&broken), &format!("exact {name}, {}", row.name));
     }
 }

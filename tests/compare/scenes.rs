@@ -146,23 +146,3 @@ fn samples_agree_as_far_as_f32_goes() {
         }
     }
 }
-
-#[test]
-fn an_effect_that_the_reference_lacks_is_refused_by_name() {
-    use direkt::effects::{Effect, Effects};
-    use direkt::reference::twin::{SUPPORTED, check_supported};
-    let mut effects = Effects::default();
-    effects.call_for(Effect::Geometry, || "something".to_owned());
-    effects.call_for(Effect::Disks, || "shapes[2]".to_owned());
-    assert!(check_supported(&effects, SUPPORTED).is_ok());
-    let without: Vec<Effect> = SUPPORTED
-        .iter()
-        .copied()
-        .filter(|e| *e != Effect::Disks)
-        .collect();
-    let refused = check_supported(&effects, &without).unwrap_err().to_string();
-    assert!(
-        refused.contains("`disks`") && refused.contains("shapes[2]"),
-        "{refused}"
-    );
-}

@@ -41,7 +41,7 @@ pub fn twin_film(
     part: Part,
     broken: Option<BrokenTwin>,
 ) -> Film {
-    let twin = Twin::new(prepared, size, seed, broken).unwrap();
+    let twin = Twin::new(prepared, size, seed, broken);
     film_of(size, samples, |index| {
         let radiance = |s: &Sample| match part {
             Part::All => s.radiance,

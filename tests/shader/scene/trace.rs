@@ -73,7 +73,7 @@ fn t_bound(world: &World<'_>, ray: &Ray, hit: &Hit) -> f64 {
 fn check_scene(name: &str) {
     let context = context();
     let prepared = prepared(scene(&format!("scenes/{name}")));
-    let twin = Twin::new(&prepared, prepared.scene.film, 21, None).unwrap();
+    let twin = Twin::new(&prepared, prepared.scene.film, 21, None);
     let world = twin.direct().world();
     let rays = rays(&twin);
     let function = Function {
