@@ -1,7 +1,7 @@
 //! Every broken twin is found out, and every part of the comparison finds some.
 
 use super::compared;
-use crate::support::{KINDS_OF_STRATEGIES, own_scenes, scene};
+use crate::support::{KINDS_OF_STRATEGIES, scene, scenes_of_lights};
 use direkt::compare::Comparison;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::render::Prepared;
@@ -28,7 +28,7 @@ impl Found {
 /// Scenes, strategies and numbers of pixels: small images of all, and two on which 2 % are more than the noise of a
 /// mean: many pixels with narrow lobes, and a light that every sample meets.
 fn cases() -> Vec<(String, Scene, Strategy, u32)> {
-    let own = own_scenes();
+    let own = scenes_of_lights();
     let all = own.into_iter().flat_map(|(name, mut scene)| {
         // Wrong weights are about what light sampling does badly.
         scene.render.light_sampling = LightSampling::Area;
@@ -41,7 +41,7 @@ fn cases() -> Vec<(String, Scene, Strategy, u32)> {
 
 /// Scenes with several shadow rays, for what is about them: among them a sky, of which BSDF samples find as much.
 fn cases_of_several_rays() -> Vec<(String, Scene, Strategy, u32)> {
-    let mut scenes = own_scenes();
+    let mut scenes = scenes_of_lights();
     let sky = "scenes/tests/sky.toml";
     scenes.push((sky.to_owned(), scene(sky)));
     let several = |(name, mut scene): (String, Scene)| {

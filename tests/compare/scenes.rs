@@ -1,7 +1,7 @@
 //! Every scene, every strategy.
 
 use super::compared;
-use crate::support::{STRATEGIES, own_scenes, scene, shared, statistics};
+use crate::support::{STRATEGIES, own_scenes, scene, scenes_of_lights, shared, statistics};
 use direkt::compare::Comparison;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{LightSelection, Sampler, ShadowPattern, Strategy};
@@ -35,7 +35,7 @@ fn gpu_and_reference_agree_on_every_scene_under_every_strategy() {
 fn gpu_and_reference_agree_with_several_shadow_rays() {
     use LightSelection::{All, Power, Uniform};
     use ShadowPattern::{Center, Grid, Random, Stratified};
-    for (name, scene) in own_scenes() {
+    for (name, scene) in scenes_of_lights() {
         for (strategy, rays, pattern, selection, sampler) in [
             (Strategy::MisPower, 1, Random, All, Sampler::Independent),
             (Strategy::MisBalance, 3, Random, Power, Sampler::Stratified),
@@ -74,7 +74,7 @@ fn gpu_and_reference_agree_with_several_shadow_rays() {
 #[test]
 fn gpu_and_reference_agree_with_a_light_tree() {
     use ShadowPattern::{Random, Stratified};
-    for (name, scene) in own_scenes() {
+    for (name, scene) in scenes_of_lights() {
         for (strategy, rays, pattern, sampler) in [
             (Strategy::MisPower, 1, Random, Sampler::Sobol),
             (Strategy::MisBalance, 4, Stratified, Sampler::BlueNoise),

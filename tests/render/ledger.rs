@@ -1,7 +1,7 @@
 //! A sample that is no number is dropped and counted, never shown.
 
 use super::test_scenes::test_scenes;
-use crate::support::{context, floor_pixel, own_scenes, point_light, render};
+use crate::support::{context, floor_pixel, own_scenes, point_light, render, scenes_of_lights};
 use direkt::scene::{FilmSize, Sampler, Strategy};
 use glam::DVec3;
 
@@ -38,13 +38,16 @@ fn overflowing_samples_are_dropped_and_counted() {
     assert_eq!(film.ledger.dropped, 0);
 }
 
-/// Every scene of the project as it is: those of `scenes/` with 2²⁴ samples, those of `scenes/tests/` with 2²⁰ each.
+/// Every scene of the project as it is: those of lights with 2²⁴ samples, the others of `scenes/` with 2²², those of
+/// `scenes/tests/` with 2²⁰ each.
 #[test]
 fn no_scene_has_a_sample_that_is_not_finite() {
     let context = context();
-    let own = own_scenes().into_iter().map(|(_, scene)| (scene, 1 << 24));
+    let of_lights = scenes_of_lights().into_iter();
+    let of_lights = of_lights.map(|(_, scene)| (scene, 1 << 24));
+    let own = own_scenes().into_iter().map(|(_, scene)| (scene, 1 << 22));
     let tests = test_scenes().into_iter().map(|(_, scene)| (scene, 1 << 20));
-    for (mut scene, samples) in own.chain(tests) {
+    for (mut scene, samples) in of_lights.chain(own).chain(tests) {
         scene.render.sampler = Sampler::Sobol;
         scene.render.spp = samples / scene.film.pixels() as u64;
         let name = scene.source.display().to_string();

@@ -6,6 +6,7 @@ use crate::support::twin::{
 };
 use crate::support::{
     STRATEGIES, context, emitter, floor_pixel, lambert, own_scenes, prepared, render, scene,
+    scenes_of_lights,
 };
 use direkt::reference::BrokenTwin;
 use direkt::render::{Film, Prepared};
@@ -98,7 +99,7 @@ fn light_selection_does_not_change_the_mean() {
         LightSelection::Tree,
         LightSelection::All,
     ];
-    for (name, scene) in own_scenes() {
+    for (name, scene) in scenes_of_lights() {
         let all =
             selections.map(|selection| Prepared::new(scene.clone(), Strategy::MisPower, selection));
         let films = [0, 1, 2, 3].map(|i| {
@@ -123,7 +124,7 @@ fn light_selection_does_not_change_the_mean() {
 fn shadow_rays_do_not_change_the_mean() {
     let context = context();
     let mut power = Power::default();
-    let mut scenes = own_scenes();
+    let mut scenes = scenes_of_lights();
     scenes.push(("glossy floor".to_owned(), glossy_floor()));
     for (name, scene) in scenes {
         let one = Prepared::new(scene.clone(), Strategy::MisPower, LightSelection::Power);

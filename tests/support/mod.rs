@@ -102,6 +102,18 @@ pub fn own_scenes() -> Vec<(String, Scene)> {
     names.into_iter().map(load).collect()
 }
 
+/// Those of them that differ in how they are lit; the others show cameras and materials.
+pub fn scenes_of_lights() -> Vec<(String, Scene)> {
+    let names = [
+        "corner.toml",
+        "cornell.toml",
+        "spot_and_sun.toml",
+        "veach.toml",
+    ];
+    let load = |name: &str| (name.to_owned(), scene(&format!("scenes/{name}")));
+    names.map(load).into()
+}
+
 /// Scenes whose models and maps the user has to bring.
 pub const NEEDS_ASSETS: [&str; 2] = ["bunny.toml", "helmet.toml"];
 

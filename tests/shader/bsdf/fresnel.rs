@@ -1,6 +1,7 @@
 //! `shaders/bsdf/fresnel.wesl`.
 
 use crate::support::context;
+use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call, words};
@@ -97,6 +98,48 @@ fn equal_indices_reflect_nothing() {
     let nearly = answers.f64(0).nth(2).unwrap();
     let exact = fresnel_dielectric(f32_of(cosine(60.0)), f32_of(1.000_001)).reflectance;
     assert!((nearly / exact - 1.0).abs() < 1e-5, "{nearly}, not {exact}");
+}
+
+/// HARD CASES B4: what all but equal indices reflect, to three digits.
+#[test]
+fn all_but_equal_indices_reflect_what_they_should() {
+    let context = context();
+    let function = Function {
+        imports: "import package::bsdf::fresnel::fresnel_dielectric;
+            fn textbook(cos_i: f32, eta: f32) -> f32 {
+                let sin_t = sqrt(1.0 - cos_i * cos_i) / eta;
+                let cos_t = sqrt(1.0 - sin_t * sin_t);
+                let s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+                let p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+                return 0.5 * (s * s + p * p);
+            }",
+        body: "out_f32(0u, fresnel_dielectric(in_f32(0u), in_f32(1u)).reflectance);
+               out_f32(1u, textbook(in_f32(0u), in_f32(1u)));",
+        inputs: 2,
+        outputs: 2,
+        features: &[],
+    };
+    let cosines: Vec<f64> = (1..=9).map(|i| f32_of(0.1 * f64::from(i))).collect();
+    let eta = f32_of(1.000_001);
+    let inputs: Vec<f64> = cosines.iter().flat_map(|cos| [*cos, eta]).collect();
+    let answers = call(&context, &function, &words(&inputs));
+    let worst = |output: usize| {
+        let found = answers.f64(output).zip(&cosines);
+        let off = found.map(|(r, cos)| (r / fresnel_dielectric(*cos, eta).reflectance - 1.0).abs());
+        off.fold(0.0, f64::max)
+    };
+    survive(
+        &context,
+        Measured {
+            entry: "B4",
+            case: "the boundary of media whose indices differ by 1e-6",
+            figure: "relative error of the reflectance",
+            bound: 1e-3,
+            textbook: "(cosθ_i − η cosθ_t)/(cosθ_i + η cosθ_t), squared",
+            naive: worst(1),
+            ours: worst(0),
+        },
+    );
 }
 
 /// The formula in real numbers against the one in complex numbers; the loss 1 − R is known to 64 roundings.
