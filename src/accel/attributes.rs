@@ -2,6 +2,7 @@
 //!
 //! Rounded here to what the GPU gets, so that its twin in f64 interpolates the same numbers.
 
+use super::octahedral::octahedral;
 use super::{Primitive, PrimitiveGeometry};
 use crate::scene::{Geometry, Mesh, Scene};
 use glam::{DVec2, DVec3};
@@ -76,7 +77,9 @@ impl Attributes {
             return none;
         }
         self.triangles.push(TriangleAttributes {
-            normals: normals.unwrap_or_default().map(octahedral),
+            normals: normals
+                .unwrap_or_default()
+                .map(|n| octahedral(n).as_vec2().to_array()),
             uvs: uvs.unwrap_or_default().map(|uv| uv.as_vec2().to_array()),
         });
         Attributed {
@@ -106,12 +109,4 @@ fn vertex_uvs(mesh: &Mesh, corners: [usize; 3]) -> Option<[DVec2; 3]> {
     }
     let uvs = corners.map(|i| mesh.uvs[i]);
     uvs.iter().all(|uv| uv.is_finite()).then_some(uvs)
-}
-
-/// A unit vector on the octahedron |x| + |y| + |z| = 1, unfolded into the square [−1, 1]² (Cigolle et al. 2014, "A Survey of
-/// Efficient Representations for Independent Unit Vectors").
-pub fn octahedral(n: DVec3) -> [f32; 2] {
-    let p = n.truncate() / n.abs().element_sum();
-    let folded = (DVec2::ONE - DVec2::new(p.y, p.x).abs()) * DVec2::ONE.copysign(p);
-    (if n.z >= 0.0 { p } else { folded }).as_vec2().to_array()
 }

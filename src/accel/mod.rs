@@ -6,6 +6,7 @@
 pub mod attributes;
 pub mod build;
 pub mod flatten;
+pub mod octahedral;
 pub mod primitives;
 
 pub use attributes::{Attributed, Attributes};

@@ -2,7 +2,8 @@
 
 use super::buffer::GpuBuffer;
 use super::context::Context;
-use super::scene_buffers::{Word, alias_words};
+use super::lights::alias_words;
+use super::scene_buffers::Word;
 use crate::emitters::EnvironmentGrid;
 use crate::error::GpuError;
 use crate::scene::EnvironmentMap;

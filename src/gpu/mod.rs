@@ -6,6 +6,7 @@ pub mod doctor;
 pub mod environment;
 pub mod kernel;
 pub mod layout;
+mod lights;
 mod materials;
 pub mod program;
 pub mod recorder;

@@ -243,11 +243,15 @@ impl Bsdf {
         }
     }
 
-    /// The lobes where the material's textures say `factors`. No texture makes a mirror of a rough surface.
-    pub fn textured_parameters(&self, factors: &TexturedFactors) -> BsdfParameters {
+    /// The lobes where the material's textures say `factors`; `own` are those without. No texture makes a mirror of a rough
+    /// surface.
+    pub fn textured_parameters(
+        &self,
+        own: &BsdfParameters,
+        factors: &TexturedFactors,
+    ) -> BsdfParameters {
         let mut textured = *self;
         textured.scale_color(factors.color);
-        let own = self.parameters();
         if own.transmission.is_none() {
             textured.scale_metallic_roughness(factors.metallic, factors.roughness);
         }

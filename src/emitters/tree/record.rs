@@ -14,6 +14,7 @@
 //! of both. What is rounded is rounded so that the record bounds at least what it stands for.
 
 use super::bounds::LightBounds;
+use crate::accel::octahedral::{from_octahedral, octahedral};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -143,31 +144,16 @@ fn round_up(x: f64) -> u32 {
     bits.div_ceil(1 << 16)
 }
 
-/// Octahedral coordinates of a unit vector (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent
-/// Unit Vectors").
+/// Octahedral coordinates of a unit vector, 16 bits each.
 fn encode_axis(axis: DVec3) -> [u32; 2] {
-    let p = axis / axis.abs().element_sum();
-    let folded = if p.z < 0.0 {
-        fold(p.truncate())
-    } else {
-        p.truncate()
-    };
-    folded
-        .to_array()
-        .map(|c| (0.5 * (c + 1.0) * LAST).round().clamp(0.0, LAST) as u32)
+    let coordinates = octahedral(axis).to_array();
+    coordinates.map(|c| (0.5 * (c + 1.0) * LAST).round().clamp(0.0, LAST) as u32)
 }
 
+/// The unit vector that they stand for.
 fn decode_axis(words: [u32; 2]) -> DVec3 {
-    let c = DVec2::from_array(words.map(|q| f64::from(q) * 2.0 / LAST - 1.0));
-    let z = 1.0 - c.x.abs() - c.y.abs();
-    let c = if z < 0.0 { fold(c) } else { c };
-    c.extend(z).normalize()
-}
-
-/// The octahedron's lower faces, unfolded outwards, and back.
-fn fold(p: DVec2) -> DVec2 {
-    let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
-    DVec2::new((1.0 - p.y.abs()) * sign(p.x), (1.0 - p.x.abs()) * sign(p.y))
+    let coordinates = words.map(|q| f64::from(q) * 2.0 / LAST - 1.0);
+    from_octahedral(DVec2::from_array(coordinates)).normalize()
 }
 
 #[cfg(test)]

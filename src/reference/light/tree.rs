@@ -4,6 +4,7 @@
 use super::alias_table::Choice;
 use crate::emitters::tree::{Grid, LightTree, NodeWords, TREE_LEAF};
 use crate::reference::core::math::multiply_high;
+use crate::reference::core::octahedral::from_octahedral;
 use crate::reference::core::pdf::PdfDiscrete;
 use crate::reference::core::rng::pcg4d;
 use glam::{DVec2, DVec3};
@@ -48,14 +49,7 @@ pub struct TreeChild {
 pub fn decode_axis(word: u32) -> DVec3 {
     let coordinate = |q: u32| f64::from(q) * 2.0 / 65_535.0 - 1.0;
     let e = DVec2::new(coordinate(word & 0xffff), coordinate(word >> 16));
-    let z = 1.0 - e.x.abs() - e.y.abs();
-    let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
-    let xy = if z < 0.0 {
-        DVec2::new((1.0 - e.y.abs()) * sign(e.x), (1.0 - e.x.abs()) * sign(e.y))
-    } else {
-        e
-    };
-    xy.extend(z).normalize()
+    from_octahedral(e).normalize()
 }
 
 /// The bounds of a child.

@@ -78,7 +78,7 @@ fn shading_at(
         let uvs = fetch_uvs(world, p);
         let uv = uvs[0] + st.x * (uvs[1] - uvs[0]) + st.y * (uvs[2] - uvs[0]);
         let material = &world.prepared.scene.materials[p.material_id.index()];
-        shading.material = textured_material(world, material, uv);
+        shading.material = textured_material(world, material, &p.material, uv);
         if let Some(map) = &material.textures.normal {
             let mapped = mapped_normal(world, map, uv);
             let around = shading.normal.unwrap_or(normal);

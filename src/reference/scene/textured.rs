@@ -2,14 +2,18 @@
 
 use super::fetch::World;
 use super::texture::sample_texture;
-use crate::effects::Effect;
 use crate::scene::material::BsdfParameters;
 use crate::scene::texture::{TexturedFactors, tangent_normal};
 use crate::scene::{Material, NormalMap};
 use glam::{DVec2, DVec3};
 
-/// How `material` scatters where the surface has the texture coordinates `uv`.
-pub fn textured_material(world: &World<'_>, material: &Material, uv: DVec2) -> BsdfParameters {
+/// How `material`, without textures `own`, scatters where the surface has the texture coordinates `uv`.
+pub fn textured_material(
+    world: &World<'_>,
+    material: &Material,
+    own: &BsdfParameters,
+    uv: DVec2,
+) -> BsdfParameters {
     let mut factors = TexturedFactors::default();
     if let Some(texture) = &material.textures.color {
         factors.color = sample_texture(world, texture, uv).truncate();
@@ -18,9 +22,9 @@ pub fn textured_material(world: &World<'_>, material: &Material, uv: DVec2) -> B
         let texel = sample_texture(world, texture, uv);
         (factors.roughness, factors.metallic) = (texel.y, texel.z);
     }
-    let mut parameters = material.bsdf.textured_parameters(&factors);
-    if let Some(lobe) = &mut parameters.specular {
-        lobe.compensated = world.prepared.effects.contains(Effect::EnergyCompensation);
+    let mut parameters = material.bsdf.textured_parameters(own, &factors);
+    if let (Some(lobe), Some(own)) = (&mut parameters.specular, &own.specular) {
+        lobe.compensated = own.compensated;
     }
     parameters
 }

@@ -4,7 +4,7 @@ use crate::support::context;
 use crate::support::random::Random;
 use crate::support::rounding::{U, assert_all_near};
 use crate::support::shader::{Function, call, words};
-use direkt::accel::attributes::octahedral;
+use direkt::accel::octahedral::octahedral;
 use direkt::reference::core::octahedral::from_octahedral;
 use glam::{DVec2, DVec3};
 
@@ -31,7 +31,7 @@ fn vectors_are_the_twins() {
     ]);
     let encoded: Vec<DVec2> = normals
         .iter()
-        .map(|n| octahedral(*n).map(f64::from).into())
+        .map(|n| octahedral(*n).as_vec2().as_dvec2())
         .collect();
     let inputs: Vec<f64> = encoded.iter().flat_map(|p| p.to_array()).collect();
     let answers = call(&context, &function, &words(&inputs));
