@@ -93,6 +93,8 @@ effects! {
     NormalMap "NORMAL_MAP" "normal-map" Simulation |r| r.texture(|t| t.normal.map(|map| map.texture));
     /// Surfaces that emit.
     AreaLights "AREA_LIGHTS" "area-lights" Simulation |r| r.emitting_shape(|_, _| true);
+    /// Textures of what surfaces emit.
+    EmissiveTexture "EMISSIVE_TEXTURE" "emissive-texture" Simulation |r| r.emissive_texture();
     /// Triangles, rectangles or disks that emit and are sampled.
     PlanarLights "LIGHT_PLANAR" "planar-lights" Simulation
         |r| r.emitting_shape(|s, sampled| sampled && !matches!(s, Shape::Sphere { .. }));

@@ -146,6 +146,19 @@ impl Rules<'_> {
         })
     }
 
+    /// The first texture that varies a light.
+    pub(super) fn emissive_texture(&self) -> Option<String> {
+        let map = self.emitters.maps.first()?;
+        let texture = &self.scene.textures[map.texture.texture.index()];
+        Some(format!(
+            "{} emits {} ({} × {})",
+            self.scene.shapes[map.shape.index()].name,
+            texture.source,
+            texture.width,
+            texture.height
+        ))
+    }
+
     /// The first light for which `name` says something.
     pub(super) fn light(&self, name: fn(&Emitter) -> Option<&'static str>) -> Option<String> {
         self.emitters

@@ -256,6 +256,12 @@ shared! {
     "scene::fetch" TWO_SIDED_BIT = 8;
     /// Set in a light's head where its edges or half axes are not orthogonal.
     "scene::fetch" SKEWED_BIT = 16;
+    /// Words of a light.
+    "scene::fetch" LIGHT_WORDS = 4;
+    /// Above these bits of a light's head stands the word of its emission map.
+    "scene::fetch" EMISSION_SHIFT = 5;
+    /// Words of an emission map.
+    "scene::fetch" EMISSION_WORDS = 3;
     /// Marks a reference to a light in the light tree.
     "light::tree" TREE_LEAF = crate::emitters::tree::TREE_LEAF;
     /// Cells of the pixel filter's table.

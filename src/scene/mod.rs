@@ -12,6 +12,7 @@ pub mod fresnel;
 pub mod ids;
 pub mod light;
 pub mod load;
+pub mod lookup;
 pub mod material;
 pub mod metals;
 pub mod normalize;

@@ -154,7 +154,10 @@ impl Range<'_> {
                 );
             }
         }
-        let radiance = shape.emission.map_or(DVec3::ZERO, |e| e.radiance);
+        let radiance = shape.emission.map_or(DVec3::ZERO, |e| {
+            let texture = e.texture.map(|u| &self.scene.textures[u.texture.index()]);
+            e.radiance * texture.map_or(1.0, |t| t.largest())
+        });
         self.bright(
             radiance,
             || format!("{}.emission.radiance", shape.field()),

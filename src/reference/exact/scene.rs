@@ -39,6 +39,9 @@ pub enum NotExact {
         "[environment]: exact visibility is known for polygons only, not for the sky between them"
     )]
     Environment,
+    /// Emission that varies over a light.
+    #[error("{0} emits a texture; exact irradiance is known for constant radiance only")]
+    EmissiveTexture(String),
     /// Normals that are not the polygons'.
     #[error("{0} has shading normals; exact irradiance is known for flat polygons only")]
     ShadingNormals(String),
@@ -81,6 +84,10 @@ impl<'a> ExactScene<'a> {
             .contains(&Emitter::Environment)
         {
             return Err(NotExact::Environment);
+        }
+        if let Some(map) = world.prepared.emitters.maps.first() {
+            let shape = &world.prepared.scene.shapes[map.shape.index()];
+            return Err(NotExact::EmissiveTexture(shape.name.clone()));
         }
         if world.prepared.effects.contains(Effect::EnergyCompensation) {
             return Err(NotExact::Compensated);
@@ -129,7 +136,7 @@ impl<'a> ExactScene<'a> {
         let s = surface_at(self.world, ray, &hit, -ray.direction);
         let mut sum = Estimate::ZERO;
         if let Some(light) = s.light {
-            sum.value += emitted_radiance(self.world, light, s.front);
+            sum.value += emitted_radiance(self.world, light, s.front, hit.st);
         }
         for emitter in &self.world.prepared.emitters.lights {
             let of_light = match *emitter {
@@ -137,6 +144,7 @@ impl<'a> ExactScene<'a> {
                     primitive,
                     radiance,
                     two_sided,
+                    map: _,
                 } => self.of_polygon(&s, hit.primitive, primitive, radiance, two_sided),
                 Emitter::Delta(light) => self.of_delta(&s, &light),
                 Emitter::Environment => unreachable!("refused in `new`"),

@@ -87,7 +87,7 @@ pub fn follow_camera_ray(
         };
         let surface = surface_at(world, &ray, &hit, -ray.direction);
         if let Some(light) = surface.light {
-            sample.radiance += throughput * emitted_radiance(world, light, surface.front);
+            sample.radiance += throughput * emitted_radiance(world, light, surface.front, hit.st);
         }
         let bounce = sample.path.further_rays;
         let [word, ..] = numbers.group(id, GROUP_SPECULAR + bounce);

@@ -28,6 +28,7 @@ use crate::reference::core::sampler::{
 };
 use crate::reference::light::alias_table::Choice;
 use crate::reference::light::area_light::{LightSample, pdf_area_light, pdf_light_area};
+use crate::reference::light::emission::{emission_cell_margin, emission_map, invert_light_area};
 use crate::reference::light::light::{
     choose_light, emitted_radiance, environment_cell_margin, environment_radiance, own_samples,
     pdf_environment, sample_chosen_light,
@@ -359,10 +360,18 @@ impl<'a> Direct<'a> {
             sample.conditions.bsdf_light_curvature = hit.t / radius;
         }
         let place = (s.position, &s.frame);
-        let (choice, on_light) = pdf_light_area(world, light, place);
-        let pdf = pdf_area_light(world, light, place, ray.direction, hit.t * hit.t, y.cos_o);
+        if let Some(map) = emission_map(world, light) {
+            let geometry = &world.primitives[hit.primitive as usize].geometry;
+            let on_square = emission_cell_margin(map, invert_light_area(geometry, hit.st));
+            // An angle moves the point by so much over the cosine, and as a part of the light's size.
+            let size = geometry.area().sqrt() / hit.t;
+            sample.conditions.cell_margin = on_square * size * y.cos_o;
+        }
+        let (choice, on_light) = pdf_light_area(world, light, place, hit.st);
+        let seen = (hit.t * hit.t, y.cos_o, hit.st);
+        let pdf = pdf_area_light(world, light, place, ray.direction, seen);
         (
-            emitted_radiance(world, light, y.front),
+            emitted_radiance(world, light, y.front, hit.st),
             BrokenTwin::measure(self.broken, choice, Some(on_light), pdf),
         )
     }

@@ -1,7 +1,10 @@
 //! Light sampling: choose a light, then a direction towards it.
 
 use super::alias_table::{Choice, alias_choice};
-use super::area_light::{LightSample, area_light, no_light, sample_area_light};
+use super::area_light::{
+    LightSample, area_light, no_light, sample_area_light, sample_textured_light,
+};
+use super::emission::{emission_factor, emission_map, sample_emission};
 use super::environment::{
     bilinear_texels, map_from_direction, pdf_environment_cell, sample_environment_cell,
 };
@@ -92,21 +95,32 @@ pub fn sample_chosen_light(
     let probability = choice.probability;
     match &world.prepared.emitters.lights[choice.index as usize] {
         Emitter::Area { .. } => {
-            sample_area_light(&area_light(world, choice.index), probability, x, frame, u)
+            let light = area_light(world, choice.index);
+            match emission_map(world, choice.index) {
+                Some(map) => {
+                    let (u, on_square) = sample_emission(map, u, texel);
+                    sample_textured_light(world, &light, map, probability, x, (u, on_square))
+                }
+                None => sample_area_light(&light, probability, x, frame, u),
+            }
         }
         Emitter::Delta(light) => delta_light_sample(light, probability, x),
         Emitter::Environment => sample_environment(world, probability, x, u, texel),
     }
 }
 
-/// Radiance that the surface of a light emits towards a viewer on its front or back.
-pub fn emitted_radiance(world: &World<'_>, light: u32, front: bool) -> DVec3 {
+/// Radiance that the surface of a light emits at its coordinates `st` towards a viewer on its front or back.
+pub fn emitted_radiance(world: &World<'_>, light: u32, front: bool, st: DVec2) -> DVec3 {
+    let factor = match emission_map(world, light) {
+        Some(map) => emission_factor(world, map, st),
+        None => DVec3::ONE,
+    };
     match world.prepared.emitters.lights[light as usize] {
         Emitter::Area {
             radiance,
             two_sided,
             ..
-        } if front || two_sided => radiance,
+        } if front || two_sided => radiance * factor,
         _ => DVec3::ZERO,
     }
 }

@@ -188,6 +188,7 @@ fn lights_come_back() {
                 primitive,
                 radiance,
                 two_sided,
+                map: _,
             } => {
                 let geometry = prepared.primitives[primitive as usize].geometry;
                 let (kind, [a, u, v]) = match geometry {

@@ -41,7 +41,8 @@ pub(super) fn of_material(
     })
 }
 
-fn texture_use(
+/// The texture that the table `field` names, read.
+pub(super) fn texture_use(
     context: &Context,
     table: &TextureTable,
     field: &str,
