@@ -118,6 +118,8 @@ effects! {
     /// Directional lights.
     DirectionalLights "LIGHT_DIRECTIONALS" "directional-lights" Simulation
         |r| r.light(|light| matches!(light, Emitter::Delta(Light::Directional { .. })).then_some("a directional light"));
+    /// Directional lights with an extent.
+    Suns "SUNS" "suns" Simulation |r| r.light(|light| matches!(light, Emitter::Sun(_)).then_some("a sun"));
     /// Light from everywhere.
     Environment "ENVIRONMENT" "environment" Simulation
         |r| r.light(|light| (*light == Emitter::Environment).then_some("[environment]"));

@@ -253,7 +253,8 @@ impl Rules<'_> {
     }
 
     pub(super) fn bsdf_sampling(&self) -> Option<String> {
-        let reachable = self.has(Effect::AreaLights) || self.has(Effect::Environment);
+        let can_be_hit = [Effect::AreaLights, Effect::Suns, Effect::Environment];
+        let reachable = can_be_hit.into_iter().any(|effect| self.has(effect));
         (self.strategy.samples_directions() && reachable).then(|| self.by_strategy())
     }
 

@@ -4,11 +4,13 @@ pub mod area_map;
 mod emission_map;
 mod environment;
 mod selection;
+mod sun;
 pub mod tree;
 
 pub use emission_map::EmissionMap;
 pub use environment::EnvironmentGrid;
 pub use selection::Selection;
+pub use sun::Sun;
 pub use tree::LightTree;
 
 use crate::accel::Primitive;
@@ -37,6 +39,8 @@ pub enum Emitter {
     },
     /// A light without a surface; positions and intensities normalised.
     Delta(Light),
+    /// A sun.
+    Sun(Sun),
     /// The environment.
     Environment,
 }
@@ -80,12 +84,22 @@ impl Emitters {
             mut power,
             maps,
         } = Surfaces::new(scene, primitives);
-        for light in &scene.lights {
+        // Suns stand together.
+        let is_sun = |light: &&Light| matches!(light, Light::Sun { .. });
+        let points = scene.lights.iter().filter(|light| !is_sun(light));
+        for light in points.chain(scene.lights.iter().filter(is_sun)) {
             let light = normalized(light, normalization);
-            let of_light = delta_power(&light, normalization.radius);
+            let of_light = light_power(&light, normalization.radius);
             if of_light > 0.0 {
                 power.push(of_light);
-                lights.push(Emitter::Delta(light));
+                lights.push(match light {
+                    Light::Sun {
+                        direction,
+                        irradiance,
+                        angular_radius,
+                    } => Emitter::Sun(Sun::new(direction, irradiance, angular_radius)),
+                    point => Emitter::Delta(point),
+                });
             }
         }
         let mut grid = None;
@@ -107,7 +121,11 @@ impl Emitters {
             .iter()
             .zip(&power)
             .map(|(light, &power)| match (strategy, light, selection) {
-                (s, Emitter::Area { .. } | Emitter::Environment, _) if !s.samples_lights() => 0.0,
+                (s, Emitter::Area { .. } | Emitter::Sun(_) | Emitter::Environment, _)
+                    if !s.samples_lights() =>
+                {
+                    0.0
+                }
                 (_, _, LightSelection::Uniform | LightSelection::Tree | LightSelection::All) => 1.0,
                 (_, _, LightSelection::Power) => power,
             })
@@ -143,6 +161,14 @@ impl Emitters {
             _ => rays,
         };
         f64::from(rays) * self.probability(index)
+    }
+
+    /// Index of the first sun, and how many there are.
+    pub fn suns(&self) -> (usize, usize) {
+        let is_sun = |light: &Emitter| matches!(light, Emitter::Sun(_));
+        let first = self.lights.iter().position(is_sun).unwrap_or(0);
+        let count = self.lights.iter().filter(|light| is_sun(light)).count();
+        (first, count)
     }
 
     /// The lights that light sampling chooses.
@@ -229,7 +255,7 @@ fn tree_over(
                 Some(TreeLight::area(index, geometry, radiance, *two_sided))
             }
             Emitter::Delta(light) => TreeLight::delta(index, light),
-            Emitter::Environment => None,
+            Emitter::Sun(_) | Emitter::Environment => None,
         };
         match light {
             Some(light) => finite.push(light),
@@ -261,13 +287,13 @@ fn normalized(light: &Light, n: &Normalization) -> Light {
             inner_angle,
             outer_angle,
         },
-        directional @ Light::Directional { .. } => directional,
+        far @ (Light::Directional { .. } | Light::Sun { .. }) => far,
     }
 }
 
-/// Power of a normalised light. Directional lights and the environment shine on the sphere of `radius`: the scene's, so
+/// Power of a normalised light. Directional lights, suns and the environment shine on the sphere of `radius`: the scene's, so
 /// that how often each light is chosen does not depend on the unit of length.
-fn delta_power(light: &Light, radius: f64) -> f64 {
+fn light_power(light: &Light, radius: f64) -> f64 {
     match *light {
         Light::Point { intensity, .. } => 4.0 * PI * luminance(intensity),
         Light::Spot {
@@ -279,7 +305,9 @@ fn delta_power(light: &Light, radius: f64) -> f64 {
             let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
             2.0 * PI * ((1.0 - inner) + (inner - outer) / 3.0) * luminance(intensity)
         }
-        Light::Directional { irradiance, .. } => PI * radius * radius * luminance(irradiance),
+        Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => {
+            PI * radius * radius * luminance(irradiance)
+        }
     }
 }
 

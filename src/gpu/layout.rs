@@ -80,6 +80,12 @@ pub struct Frame {
     pub orthographic: u32,
     /// The pixel filter's table, two ends of cells per word.
     pub filter_knots: [[f32; 4]; FILTER_WORDS],
+    /// Index of the first sun.
+    pub first_sun: u32,
+    /// Number of suns.
+    pub suns: u32,
+    /// Unused.
+    pub frame_padding: [u32; 2],
 }
 
 /// Words of [`Frame::filter_knots`].

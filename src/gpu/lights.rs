@@ -55,6 +55,12 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
                 words
             }
             Emitter::Delta(light) => delta_light(&light, samples),
+            Emitter::Sun(sun) => [
+                word(sun.towards, LIGHT_DIRECTIONAL),
+                word(DVec3::ZERO, samples),
+                word(DVec3::new(sun.height, 0.0, 0.0), 0),
+                word(sun.radiance, 0),
+            ],
             Emitter::Environment => [
                 [0, 0, 0, LIGHT_ENVIRONMENT],
                 [0, 0, 0, samples],
@@ -150,6 +156,7 @@ fn delta_light(light: &Light, samples: u32) -> [Word; 4] {
             [0; 4],
             word(irradiance, 0),
         ],
+        Light::Sun { .. } => unreachable!("suns are emitters of their own"),
     }
 }
 

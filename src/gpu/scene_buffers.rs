@@ -265,6 +265,9 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
         filter_knots: filter_words(&filter),
         ..Frame::default()
     };
+    let (first_sun, suns) = prepared.emitters.suns();
+    frame.first_sun = first_sun as u32;
+    frame.suns = suns as u32;
     let tree = prepared.emitters.selection.as_ref();
     if let Some(tree) = tree.and_then(Selection::tree) {
         frame.light_grid_origin = tree.grid.origin;

@@ -1,5 +1,6 @@
 //! Whether the numbers of a valid scene are still finite once it is moved, scaled and rounded to f32.
 
+use super::light::sun_radiance;
 use super::normalize::{Normalization, bounds};
 use super::{Environment, EnvironmentRadiance, Geometry, Lens, Light, Projection, Scene, Shape};
 use crate::error::InputError;
@@ -183,6 +184,18 @@ impl Range<'_> {
             }
             Light::Directional { irradiance, .. } => {
                 self.bright(irradiance, || format!("{field}.irradiance"), "")
+            }
+            Light::Sun {
+                irradiance,
+                angular_radius,
+                ..
+            } => {
+                let radiance = sun_radiance(irradiance, angular_radius);
+                self.bright(
+                    radiance,
+                    || format!("{field}.irradiance"),
+                    " in its radiance",
+                )
             }
         }
     }

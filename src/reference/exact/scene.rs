@@ -39,6 +39,11 @@ pub enum NotExact {
         "[environment]: exact visibility is known for polygons only, not for the sky between them"
     )]
     Environment,
+    /// Light from a sun.
+    #[error(
+        "there is a sun; exact irradiance is known for polygons and lights without extent only"
+    )]
+    Sun,
     /// Emission that varies over a light.
     #[error("{0} emits a texture; exact irradiance is known for constant radiance only")]
     EmissiveTexture(String),
@@ -84,6 +89,10 @@ impl<'a> ExactScene<'a> {
             .contains(&Emitter::Environment)
         {
             return Err(NotExact::Environment);
+        }
+        let mut lights = world.prepared.emitters.lights.iter();
+        if lights.any(|light| matches!(light, Emitter::Sun(_))) {
+            return Err(NotExact::Sun);
         }
         if let Some(map) = world.prepared.emitters.maps.first() {
             let shape = &world.prepared.scene.shapes[map.shape.index()];
@@ -147,7 +156,7 @@ impl<'a> ExactScene<'a> {
                     map: _,
                 } => self.of_polygon(&s, hit.primitive, primitive, radiance, two_sided),
                 Emitter::Delta(light) => self.of_delta(&s, &light),
-                Emitter::Environment => unreachable!("refused in `new`"),
+                Emitter::Sun(_) | Emitter::Environment => unreachable!("refused in `new`"),
             };
             sum.value += of_light.value;
             sum.error += of_light.error;
@@ -243,6 +252,7 @@ impl<'a> ExactScene<'a> {
                 let e = directional_irradiance(n, -direction, 1.0);
                 (-direction, s.position - 4.0 * direction, e, irradiance)
             }
+            Light::Sun { .. } => unreachable!("suns are emitters of their own"),
         };
         let ray = Ray {
             origin: s.origin,

@@ -14,5 +14,6 @@ pub mod polygon;
 pub mod rectangle;
 pub mod sphere;
 pub mod spot;
+pub mod sun;
 pub mod tree;
 pub mod triangle;

@@ -15,5 +15,6 @@ mod rectangle;
 mod seen;
 mod sphere;
 mod spot;
+mod sun;
 mod tree;
 mod triangle;

@@ -230,6 +230,13 @@ fn lights_come_back() {
                 0.0,
                 [-direction, zero, zero, irradiance],
             ),
+            Emitter::Delta(Light::Sun { .. }) => unreachable!("suns are emitters of their own"),
+            Emitter::Sun(sun) => (
+                LIGHT_DIRECTIONAL,
+                false,
+                0.0,
+                [sun.towards, zero, along_x(sun.height), sun.radiance],
+            ),
             Emitter::Environment => (LIGHT_ENVIRONMENT, false, 0.0, [zero; 4]),
         };
         kinds[kind as usize] += 1;

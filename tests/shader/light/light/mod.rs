@@ -67,9 +67,9 @@ fn place(prepared: &Prepared, light: &Emitter) -> (DVec3, DVec3, f64) {
             direction,
             ..
         }) => (position, direction, 0.2),
-        Emitter::Delta(Light::Directional { .. }) | Emitter::Environment => {
-            (DVec3::ZERO, DVec3::Z, 0.2)
-        }
+        Emitter::Delta(Light::Directional { .. } | Light::Sun { .. })
+        | Emitter::Sun(_)
+        | Emitter::Environment => (DVec3::ZERO, DVec3::Z, 0.2),
     }
 }
 
@@ -98,7 +98,7 @@ fn errors(prepared: &Prepared, light: &Emitter, x: DVec3, s: &LightSample) -> (f
             }
             PrimitiveGeometry::Sphere { center, radius } => (center.length() + radius, 16.0 * U),
         },
-        Emitter::Delta(_) => (1.0, 0.0),
+        Emitter::Delta(_) | Emitter::Sun(_) => (1.0, 0.0),
         // Near the poles r = √((1 − y)(1 + y)) amplifies the rounding of y, to q = 8 roundings of 1 − y².
         Emitter::Environment => {
             let to_map = prepared
