@@ -170,15 +170,9 @@ effects! {
 }
 
 impl Effect {
-    /// Whether it can be compiled in without need, and changes no bit of the image then: it is no way of sampling, and needs
-    /// nothing that only a scene that calls for it has, as the environment does.
+    /// Whether it can be compiled in without need, and changes no bit of the image then: it is no way of sampling.
     pub fn can_be_forced(self) -> bool {
-        let environment = [
-            Self::Environment,
-            Self::EnvironmentMap,
-            Self::EnvironmentLinear,
-        ];
-        !self.is_way_of_sampling() && !environment.contains(&self)
+        !self.is_way_of_sampling()
     }
 }
 

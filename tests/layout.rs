@@ -108,6 +108,7 @@ fn structs_have_the_same_members() {
         filter_knots,
         first_sun,
         suns,
+        environment_linear,
         frame_padding,
     });
     let dispatch = members!(Dispatch {

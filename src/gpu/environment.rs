@@ -43,18 +43,35 @@ impl EnvironmentBuffers {
             });
         }
         let words = alias_words(&grid.table, |cell| grid.table.probability[cell]);
+        let texels: Vec<[f32; 4]> = map.texels.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
         context.checked(|| Self {
             alias: GpuBuffer::storage(&context.device, "scene.environment_alias", &words),
-            texels: upload_texels(context, map),
+            texels: upload_texels(context, [map.width, map.height], &texels),
             grid: grid.size,
+        })
+    }
+
+    /// What is bound where there is no map: a black texel.
+    ///
+    /// # Errors
+    /// Memory runs out.
+    pub fn none(context: &Context) -> Result<Self, GpuError> {
+        context.checked(|| Self {
+            alias: GpuBuffer::storage(&context.device, "scene.environment_alias", &[]),
+            texels: upload_texels(context, [1, 1], &[[0.0; 4]]),
+            grid: [1, 1],
         })
     }
 }
 
-fn upload_texels(context: &Context, map: &EnvironmentMap) -> wgpu::TextureView {
+fn upload_texels(
+    context: &Context,
+    [width, height]: [u32; 2],
+    texels: &[[f32; 4]],
+) -> wgpu::TextureView {
     let size = wgpu::Extent3d {
-        width: map.width,
-        height: map.height,
+        width,
+        height,
         depth_or_array_layers: 1,
     };
     let texture = context.device.create_texture(&wgpu::TextureDescriptor {
@@ -67,13 +84,12 @@ fn upload_texels(context: &Context, map: &EnvironmentMap) -> wgpu::TextureView {
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    let texels: Vec<[f32; 4]> = map.texels.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
     context.queue.write_texture(
         texture.as_image_copy(),
-        bytemuck::cast_slice(&texels),
+        bytemuck::cast_slice(texels),
         wgpu::TexelCopyBufferLayout {
             offset: 0,
-            bytes_per_row: Some(map.width * 16),
+            bytes_per_row: Some(width * 16),
             rows_per_image: None,
         },
         size,

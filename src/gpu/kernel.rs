@@ -256,11 +256,9 @@ impl SceneKernel {
         ];
         let texture = wgpu::BindingResource::TextureView;
         let mut resources: Vec<_> = (0..).zip(resources).collect();
-        if let Some(environment) = &scene.environment {
-            resources.push((5, environment.alias.binding()));
-            resources.push((6, texture(&environment.texels)));
-        }
         resources.extend([
+            (5, scene.environment.alias.binding()),
+            (6, texture(&scene.environment.texels)),
             (7, scene.attributes.binding()),
             (8, texture(&scene.textures.colors.view)),
             (9, texture(&scene.textures.data.view)),

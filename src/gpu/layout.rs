@@ -84,8 +84,10 @@ pub struct Frame {
     pub first_sun: u32,
     /// Number of suns.
     pub suns: u32,
+    /// 1 where the environment map is interpolated between its texels.
+    pub environment_linear: u32,
     /// Unused.
-    pub frame_padding: [u32; 2],
+    pub frame_padding: u32,
 }
 
 /// Words of [`Frame::filter_knots`].
@@ -228,6 +230,8 @@ shared! {
     "scene::fetch" FRESNEL_CONDUCTOR = 3;
     /// Set in a material's bits where light passes straight through.
     "scene::fetch" THIN_BIT = 4;
+    /// Set in a material's bits where light that meets several of its facets counts.
+    "scene::fetch" COMPENSATED_BIT = 8;
     /// Set where a primitive has vertex normals.
     "scene::fetch" HAS_NORMALS = 1;
     /// Set where a primitive has texture coordinates that its material reads.

@@ -1,8 +1,9 @@
 //! Materials as the GPU reads them: the formats of `shaders/scene/fetch.wesl`, `textured.wesl` and `texture.wesl`.
 
 use super::layout::{
-    FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK, MATERIAL_WORDS,
-    NEAREST_BIT, NONE, TEXTURED_WORDS, THIN_BIT, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
+    COMPENSATED_BIT, FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK,
+    MATERIAL_WORDS, NEAREST_BIT, NONE, TEXTURED_WORDS, THIN_BIT, WRAP_CLAMP, WRAP_MIRROR,
+    WRAP_REPEAT,
 };
 use super::scene_buffers::{Word, bits, word};
 use super::textures::Atlas;
@@ -23,7 +24,7 @@ pub(super) struct MaterialWords {
 pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> MaterialWords {
     let materials = scene.materials.iter();
     let mut words: Vec<Word> = materials
-        .flat_map(|m| one_material(&m.bsdf.parameters()))
+        .flat_map(|m| one_material(&m.bsdf.parameters(), scene.render.energy_compensation))
         .collect();
     let textured = scene.materials.iter().enumerate();
     for (index, material) in textured.filter(|(_, m)| m.textures.any()) {
@@ -61,7 +62,7 @@ pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Mate
     MaterialWords { words, emission }
 }
 
-fn one_material(p: &BsdfParameters) -> [Word; MATERIAL_WORDS as usize] {
+fn one_material(p: &BsdfParameters, compensated: bool) -> [Word; MATERIAL_WORDS as usize] {
     let none = Fresnel::Schlick {
         f0: DVec3::ZERO,
         f90: 0.0,
@@ -79,11 +80,15 @@ fn one_material(p: &BsdfParameters) -> [Word; MATERIAL_WORDS as usize] {
         (None, _) => 1.0,
     };
     let thin = p.transmission.is_some_and(|t| t.thin);
+    let flag = |set: bool, bit: u32| if set { bit } else { 0 };
     let transmittance = p.transmission.map_or(DVec3::ZERO, |t| t.transmittance);
     [
         word(p.diffuse, bits(p.specular.map_or(0.0, |s| s.alpha))),
         word(f0, bits(f90)),
-        word(k, kind | if thin { THIN_BIT } else { 0 }),
+        word(
+            k,
+            kind | flag(thin, THIN_BIT) | flag(compensated, COMPENSATED_BIT),
+        ),
         word(transmittance, bits(ior)),
         word(p.specular.map_or(DVec3::ZERO, |s| s.average), NONE),
     ]

@@ -15,6 +15,7 @@ use crate::emitters::{Emitter, Selection};
 use crate::error::GpuError;
 use crate::render::Prepared;
 use crate::scene::filter::FilterTable;
+use crate::scene::light::Interpolation;
 use crate::scene::{EnvironmentRadiance, FilmSize, Scene};
 use glam::DVec3;
 
@@ -35,8 +36,8 @@ pub struct SceneBuffers {
     /// What lights are chosen by: an alias table, one word per light; or a light tree, three words per node and one per
     /// light outside of it.
     pub light_choice: GpuBuffer<Word>,
-    /// The environment map, when there is one.
-    pub environment: Option<EnvironmentBuffers>,
+    /// The environment map; a texel where there is none.
+    pub environment: EnvironmentBuffers,
     /// Three words per triangle with vertex normals or texture coordinates.
     pub attributes: GpuBuffer<Word>,
     /// Textures of materials and lights.
@@ -85,9 +86,9 @@ impl SceneBuffers {
         let radiance = prepared.scene.environment.as_ref().map(|e| &e.radiance);
         let environment = match (radiance, &prepared.emitters.environment) {
             (Some(EnvironmentRadiance::Map(map)), Some(grid)) => {
-                Some(EnvironmentBuffers::new(context, map, grid)?)
+                EnvironmentBuffers::new(context, map, grid)?
             }
-            _ => None,
+            _ => EnvironmentBuffers::none(context)?,
         };
         let device = &context.device;
         context.checked(|| Self {
@@ -129,12 +130,14 @@ impl SceneBuffers {
             ),
         ];
         let radiance = prepared.scene.environment.as_ref().map(|e| &e.radiance);
-        if let (Some(EnvironmentRadiance::Map(map)), Some(grid)) =
-            (radiance, &prepared.emitters.environment)
-        {
-            sizes.push(("scene.environment_alias", words(grid.table.entries.len())));
-            sizes.push(("scene.environment", words(map.texels.len())));
-        }
+        let (cells, texels) = match (radiance, &prepared.emitters.environment) {
+            (Some(EnvironmentRadiance::Map(map)), Some(grid)) => {
+                (grid.table.entries.len(), map.texels.len())
+            }
+            _ => (0, 0),
+        };
+        sizes.push(("scene.environment_alias", words(cells)));
+        sizes.push(("scene.environment", words(texels)));
         sizes
     }
 }
@@ -296,9 +299,10 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
             EnvironmentRadiance::Map(map) => {
                 frame.environment_radiance = [environment.scale as f32; 3];
                 [frame.environment_width, frame.environment_height] = [map.width, map.height];
+                frame.environment_linear = u32::from(map.interpolation == Interpolation::Linear);
             }
         }
     }
-    frame.environment_grid = buffers.environment.as_ref().map_or([1, 1], |e| e.grid);
+    frame.environment_grid = buffers.environment.grid;
     frame
 }

@@ -1,12 +1,16 @@
 //! What must not change an image, bit for bit.
 
+use super::test_scenes::test_scenes;
 use crate::support::hard_cases::{Measured, survive_by_driver};
-use crate::support::{context, floor_pixel, lambert, point_light, prepared, scene, shape, take};
+use crate::support::{
+    context, floor_pixel, lambert, own_scenes, point_light, prepared, scene, shape, take,
+};
 use direkt::effects::Effect;
 use direkt::gpu::doctor::loops::loop_budget;
 use direkt::render::{Film, Prepared, Session, StopReason};
-use direkt::scene::{Emission, FilmSize, Geometry, MaterialId, Scene};
+use direkt::scene::{Emission, FilmSize, Geometry, MaterialId, Sampler, Scene};
 use glam::DVec3;
+use std::collections::BTreeSet;
 
 fn small_cornell() -> Scene {
     let mut scene = scene("scenes/cornell.toml");
@@ -50,16 +54,41 @@ fn other_seeds_give_other_images() {
     assert_ne!(films[0], films[1]);
 }
 
-#[test]
-fn unneeded_effects_compiled_in_change_nothing() {
-    let mut prepared = prepared(small_cornell());
-    let lean = film_of(&prepared, &[8]);
-    for &effect in Effect::ALL {
-        if effect.can_be_forced() {
-            prepared.effects.call_for(effect, || "forced".to_owned());
+/// Of every set of effects that some scene calls for, the first scene.
+fn scenes_of_all_effects() -> Vec<(String, Prepared)> {
+    let mut known = BTreeSet::new();
+    let mut scenes = Vec::new();
+    for (name, mut scene) in own_scenes().into_iter().chain(test_scenes()) {
+        scene.render.sampler = Sampler::Independent;
+        scene.film = FilmSize {
+            width: 24,
+            height: 16,
+        };
+        let prepared = prepared(scene);
+        let effects: Vec<_> = prepared.effects.iter().map(|(effect, _)| effect).collect();
+        if known.insert(effects) {
+            scenes.push((name, prepared));
         }
     }
-    assert_eq!(lean, film_of(&prepared, &[8]));
+    scenes
+}
+
+/// A scene pays for what it uses and nothing else, and gets the same image as with everything.
+#[test]
+fn unneeded_effects_compiled_in_change_nothing() {
+    let scenes = scenes_of_all_effects();
+    assert!(scenes.len() > 30, "{} sets of effects", scenes.len());
+    for (name, mut prepared) in scenes {
+        let lean = film_of(&prepared, &[4]);
+        for &effect in Effect::ALL.iter().filter(|e| e.can_be_forced()) {
+            prepared.effects.call_for(effect, || "forced".to_owned());
+        }
+        let full = film_of(&prepared, &[4]);
+        let differ = lean.pixels.iter().zip(&full.pixels).filter(|(a, b)| a != b);
+        let differ = differ.count();
+        assert_eq!(differ, 0, "{name}: pixels that differ");
+        assert!(lean.pixels.iter().all(|p| p.samples == 4), "{name}");
+    }
 }
 
 #[test]

@@ -241,7 +241,7 @@ fn shapes() {
     );
     says(
         shape("type = \"sphere\"\nemission = { radiance = 1, texture = { file = \"none.png\" } }"),
-        "shapes[0].emission.texture.file: there is no file `none.png`; expected a file beside the scene file",
+        "shapes[0].emission.texture.file: `none.png` does not exist; expected a file in the scene's folder, or in one named with --assets",
     );
 }
 

@@ -87,9 +87,9 @@ fn the_fits_are_the_twins() {
     let function = Function {
         imports: "import package::bsdf::compensation::{
                       compensation_albedo, compensation_fresnel, eval_compensation, ggx_albedo_deficit, ggx_average_deficit};
-                  import package::scene::fetch::Material;",
+                  import package::scene::fetch::{COMPENSATED_BIT, Material};",
         body: "let alpha = in_f32(0u);
-               let m = Material(vec3f(0.0), vec3f(1.0, 0.5, 0.25), alpha, 1.0, vec3f(0.0), 0u, vec3f(0.0), 1.0, vec3f(0.0));
+               let m = Material(vec3f(0.0), vec3f(1.0, 0.5, 0.25), alpha, 1.0, vec3f(0.0), COMPENSATED_BIT, vec3f(0.0), 1.0, vec3f(0.0));
                out_f32(0u, ggx_albedo_deficit(in_f32(1u), alpha));
                out_f32(1u, ggx_average_deficit(alpha));
                out_vec3f(2u, compensation_fresnel(m));

@@ -147,7 +147,7 @@ fn buffers_are_as_large_as_is_told() {
             alias,
             texels,
             grid: _,
-        } = environment.unwrap();
+        } = environment;
         let size = texels.texture().size();
         for array in [&textures.colors, &textures.data] {
             assert_eq!(array.view.texture().size().width, 1, "no texture");
