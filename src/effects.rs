@@ -91,6 +91,10 @@ effects! {
     RoughnessTexture "ROUGHNESS_TEXTURE" "roughness-texture" Simulation |r| r.texture(|t| t.metallic_roughness);
     /// Textures of shading normals.
     NormalMap "NORMAL_MAP" "normal-map" Simulation |r| r.texture(|t| t.normal.map(|map| map.texture));
+    /// Surfaces that stop a ray by chance, or where a mask is.
+    Alpha "ALPHA" "alpha" Simulation |r| r.opacity();
+    /// Textures of opacity.
+    AlphaTexture "ALPHA_TEXTURE" "alpha-texture" Simulation |r| r.opacity_texture();
     /// Surfaces that emit.
     AreaLights "AREA_LIGHTS" "area-lights" Simulation |r| r.emitting_shape(|_, _| true);
     /// Triangles, rectangles or disks that emit and are sampled.

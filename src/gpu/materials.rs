@@ -11,15 +11,17 @@ use crate::scene::material::{BsdfParameters, Fresnel};
 use crate::scene::{Bsdf, Material, Scene, TextureUse, Wrap};
 use glam::DVec3;
 
-/// [`MATERIAL_WORDS`] words per material; behind them [`TEXTURED_WORDS`] per textured one, and three per use of a texture.
+/// [`MATERIAL_WORDS`] words per material; behind them [`TEXTURED_WORDS`] per one with textures or an opacity, and three per
+/// use of a texture.
 /// The atlases of colours and of other numbers tell where textures lie.
 pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Vec<Word> {
     let materials = scene.materials.iter();
     let mut words: Vec<Word> = materials
         .flat_map(|m| one_material(&m.bsdf.parameters()))
         .collect();
+    let further = |m: &Material| m.texture_uses().next().is_some() || m.opacity.untextured() < 1.0;
     let textured = scene.materials.iter().enumerate();
-    for (index, material) in textured.filter(|(_, m)| m.textures.any()) {
+    for (index, material) in textured.filter(|(_, m)| further(m)) {
         let first = words.len() as u32;
         words[index * MATERIAL_WORDS as usize + MATERIAL_WORDS as usize - 1][3] = first;
         words.extend(textured_words(material));
@@ -40,7 +42,16 @@ pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Vec<
             add(normal, data),
             bits(scale),
         ];
+        let opacity = &material.opacity;
+        // −1 stands for no cutoff.
+        let cutoff = opacity.cutoff.unwrap_or(-1.0);
+        let opacity = [
+            bits(opacity.factor),
+            bits(cutoff),
+            add(opacity.texture, colors),
+        ];
         words[first as usize + 2] = indices;
+        words[first as usize + 3][1..].copy_from_slice(&opacity);
     }
     words
 }
@@ -74,7 +85,7 @@ fn one_material(p: &BsdfParameters) -> [Word; MATERIAL_WORDS as usize] {
 }
 
 /// What the textures of a material are factors on: base colour and roughness; F₀ of the dielectric and metallic; room for the
-/// indices of the textures; F₉₀ of the dielectric. A conductor is a metal of the metallic-roughness model here. The
+/// indices of the textures; F₉₀ of the dielectric, and room for the opacity. A conductor is a metal of the metallic-roughness model here. The
 /// roughness of what is no case of it is −1: there only a colour counts.
 fn textured_words(material: &Material) -> [Word; TEXTURED_WORDS as usize] {
     let (color, roughness, f0, metallic, f90) = match material.bsdf {

@@ -34,6 +34,7 @@ use crate::reference::light::light::{
 };
 use crate::reference::light::tree::choose_tree_light;
 use crate::reference::scene::fetch::World;
+use crate::reference::scene::opacity::{Crossings, RAY_BSDF, RAY_SHADOW};
 use crate::reference::scene::surface::{Surface, is_above, shadow_ray, surface_at};
 use crate::reference::scene::trace::{any_hit, closest_hit};
 use crate::render::Prepared;
@@ -148,7 +149,9 @@ impl<'a> Direct<'a> {
             sample.by_light = lit.throughput * self.estimate_by_light(&s, id, &mut sample);
         }
         if self.sample_bsdf {
-            let by_bsdf = self.estimate_by_bsdf(&s, light_words[3], direction_words, &mut sample);
+            let crossings = Crossings::of_sample(id).of_ray(RAY_BSDF);
+            let words = [light_words[3], direction_words[0], direction_words[1]];
+            let by_bsdf = self.estimate_by_bsdf(&s, words, crossings, &mut sample);
             sample.by_bsdf = lit.throughput * by_bsdf;
         }
         sample.radiance += sample.by_light + sample.by_bsdf;
@@ -216,14 +219,17 @@ impl<'a> Direct<'a> {
     fn estimate_by_light(&self, s: &Surface, id: SampleId, sample: &mut Sample) -> DVec3 {
         let emitters = &self.world.prepared.emitters;
         let rays = self.shadow_rays.rays();
+        let crossings = Crossings::of_sample(id);
         let mut sum = DVec3::ZERO;
         match &emitters.selection {
             None => {}
             Some(Selection::One(_) | Selection::Tree(_)) => {
                 for ray in 0..rays {
                     let u = self.shadow_rays.light_numbers(id, 0, ray);
+                    let crossings = crossings.of_ray(RAY_SHADOW + ray);
                     if let Some(choice) = self.choose(s, u, sample) {
-                        sum += self.estimate_by_shadow_ray(s, choice, u, sample) / f64::from(rays);
+                        let found = self.estimate_by_shadow_ray(s, choice, u, crossings, sample);
+                        sum += found / f64::from(rays);
                     }
                 }
             }
@@ -236,7 +242,10 @@ impl<'a> Direct<'a> {
                             probability: PdfDiscrete(1.0),
                         };
                         let u = self.shadow_rays.light_numbers(id, index, ray);
-                        sum += self.estimate_by_shadow_ray(s, choice, u, sample) / f64::from(own);
+                        let number = index.wrapping_mul(rays).wrapping_add(ray);
+                        let crossings = crossings.of_ray(RAY_SHADOW.wrapping_add(number));
+                        let found = self.estimate_by_shadow_ray(s, choice, u, crossings, sample);
+                        sum += found / f64::from(own);
                     }
                 }
             }
@@ -263,6 +272,7 @@ impl<'a> Direct<'a> {
         s: &Surface,
         choice: Choice,
         u: LightNumbers,
+        crossings: Crossings,
         sample: &mut Sample,
     ) -> DVec3 {
         if s.own_light == Some(choice.index) {
@@ -285,7 +295,9 @@ impl<'a> Direct<'a> {
             return DVec3::ZERO;
         }
         sample.path.shadow.traced += 1;
-        if any_hit(&self.world, &shadow_ray(s, light.target_point), 1.0) {
+        let crossings = BrokenTwin::crossings(self.broken, crossings);
+        let ray = shadow_ray(s, light.target_point);
+        if any_hit(&self.world, &ray, crossings, 1.0) {
             return DVec3::ZERO;
         }
         sample.path.shadow.clear += 1;
@@ -297,11 +309,11 @@ impl<'a> Direct<'a> {
     fn estimate_by_bsdf(
         &self,
         s: &Surface,
-        lobe: u32,
-        words: [u32; 4],
+        [lobe, x, y]: [u32; 3],
+        crossings: Crossings,
         sample: &mut Sample,
     ) -> DVec3 {
-        let u = to_unit_2d(words[0], words[1]);
+        let u = to_unit_2d(x, y);
         let chosen = self.choose_direction(s, to_unit(lobe), u);
         let ray = Ray {
             origin: s.origin,
@@ -315,7 +327,7 @@ impl<'a> Direct<'a> {
         let one = BrokenTwin::density(self.broken, PdfSolidAngle(1.0));
         let weight = BrokenTwin::f_cos(self.broken, chosen.weight, wi.z) / one.0;
         let pdf_bsdf = BrokenTwin::density(self.broken, chosen.pdf);
-        let (radiance, pdf_light) = self.light_in_direction(s, &ray, sample);
+        let (radiance, pdf_light) = self.light_in_direction(s, &ray, crossings, sample);
         let mut contribution = radiance * weight;
         if self.sample_lights {
             let pdf_light = BrokenTwin::density(self.broken, pdf_light);
@@ -331,11 +343,12 @@ impl<'a> Direct<'a> {
         &self,
         s: &Surface,
         ray: &Ray,
+        crossings: Crossings,
         sample: &mut Sample,
     ) -> (DVec3, PdfSolidAngle) {
         let world = &self.world;
         let dark = (DVec3::ZERO, PdfSolidAngle(0.0));
-        let Some(hit) = closest_hit(world, ray) else {
+        let Some(hit) = closest_hit(world, ray, crossings) else {
             sample.path.bsdf = BsdfRay::Missed;
             if world.prepared.scene.environment.is_none() {
                 return dark;

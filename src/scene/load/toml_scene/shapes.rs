@@ -5,7 +5,9 @@ use super::format_shapes::{BoxTable, MeshTable, RectangleTable, ShapeKind, Shape
 use crate::error::InputError;
 use crate::scene::load::mesh;
 use crate::scene::load::transform;
-use crate::scene::{Bsdf, Emission, Geometry, Material, MaterialId, MaterialTextures, Shape};
+use crate::scene::{
+    Bsdf, Emission, Geometry, Material, MaterialId, MaterialTextures, Opacity, Shape,
+};
 use glam::DVec3;
 
 /// Geometry in the shape's own space, and what to add to its name.
@@ -81,6 +83,7 @@ fn add_default(materials: &mut Vec<Material>) -> MaterialId {
         },
         double_sided: true,
         textures: MaterialTextures::default(),
+        opacity: Opacity::default(),
     });
     id
 }
