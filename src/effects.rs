@@ -143,6 +143,8 @@ effects! {
     StratifiedPattern "SHADOW_STRATIFIED" "stratified-pattern" Sampling |r| r.shadow_pattern(ShadowPattern::Stratified);
     /// Directions are chosen towards lights.
     SampleLights "SAMPLE_LIGHTS" "light-sampling" Sampling |r| r.light_sampling();
+    /// Surfaces with an opacity that emit and are sampled.
+    AlphaLights "ALPHA_LIGHTS" "alpha-lights" Simulation |r| r.alpha_lights();
     /// Directions are chosen in proportion to the BSDF.
     SampleBsdf "SAMPLE_BSDF" "bsdf-sampling" Sampling |r| r.bsdf_sampling();
     /// Directions are chosen uniformly over the hemisphere.

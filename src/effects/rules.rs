@@ -146,6 +146,20 @@ impl Rules<'_> {
         })
     }
 
+    /// The first shape with an opacity that emits and is sampled.
+    pub(super) fn alpha_lights(&self) -> Option<String> {
+        let mut lights = self.emitters.lights.iter().enumerate();
+        lights.find_map(|(index, light)| {
+            let Emitter::Area { primitive, .. } = light else {
+                return None;
+            };
+            let opacity = self.attributes.of_primitive[*primitive as usize].opacity;
+            let sampled = self.emitters.probability(index) > 0.0;
+            let name = || self.name_of(&self.primitives[*primitive as usize]);
+            (opacity && sampled).then(|| format!("{} emits and has an opacity", name()))
+        })
+    }
+
     pub(super) fn opacity_texture(&self) -> Option<String> {
         self.texture_of(|material| material.opacity.texture)
     }

@@ -2,10 +2,11 @@
 
 use super::layout::{
     LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE,
-    LIGHT_SPOT, LIGHT_TRIANGLE, SKEWED_BIT, TWO_SIDED_BIT,
+    LIGHT_SPOT, LIGHT_TRIANGLE, NONE, SKEWED_BIT, TWO_SIDED_BIT,
 };
 use super::scene_buffers::{Word, bits, word};
 use crate::accel::PrimitiveGeometry;
+use crate::effects::Effect;
 use crate::emitters::{Emitter, Selection};
 use crate::render::Prepared;
 use crate::scene::Light;
@@ -26,7 +27,7 @@ pub(super) fn choice_words(prepared: &Prepared) -> Vec<Word> {
     }
 }
 
-/// Four words per light.
+/// Four words per light; behind them, where lights have an opacity, one per light: the primitive of those that do.
 pub(super) fn light_words(prepared: &Prepared) -> Vec<Word> {
     let tree = prepared.emitters.selection.as_ref();
     let tree = tree.and_then(Selection::tree);
@@ -58,7 +59,17 @@ pub(super) fn light_words(prepared: &Prepared) -> Vec<Word> {
                 ],
             }
         });
-    words.collect()
+    let opacities = prepared.effects.contains(Effect::AlphaLights);
+    let primitives = prepared.emitters.lights.iter().filter(|_| opacities);
+    let primitives = primitives.map(|emitter| match emitter {
+        Emitter::Area { primitive, .. }
+            if prepared.attributes.of_primitive[*primitive as usize].opacity =>
+        {
+            [*primitive, 0, 0, 0]
+        }
+        _ => [NONE, 0, 0, 0],
+    });
+    words.chain(primitives).collect()
 }
 
 fn area_light(

@@ -30,7 +30,7 @@ pub struct SceneBuffers {
     pub primitives: GpuBuffer<Word>,
     /// [`MATERIAL_WORDS`](super::layout::MATERIAL_WORDS) words per material, and those of textures.
     pub materials: GpuBuffer<Word>,
-    /// Four words per light.
+    /// Four words per light, and where lights have an opacity one more.
     pub lights: GpuBuffer<Word>,
     /// What lights are chosen by: an alias table, one word per light; or a light tree, three words per node and one per
     /// light outside of it.
@@ -106,7 +106,7 @@ impl SceneBuffers {
             ("scene.nodes", nodes as u64),
             ("scene.primitives", words(3 * prepared.primitives.len())),
             ("scene.materials", words(materials)),
-            ("scene.lights", words(4 * prepared.emitters.lights.len())),
+            ("scene.lights", words(light_words(prepared).len())),
             ("scene.light_choice", words(choice_words(prepared).len())),
             ("scene.attributes", words(attributes)),
             ("scene.color_textures", colors.bytes(scene)),

@@ -32,6 +32,7 @@ use crate::reference::light::light::{
     choose_light, emitted_radiance, environment_cell_margin, environment_radiance, own_samples,
     pdf_environment, sample_chosen_light,
 };
+use crate::reference::light::opacity::light_opacity;
 use crate::reference::light::tree::choose_tree_light;
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::{Crossings, RAY_BSDF, RAY_SHADOW};
@@ -285,6 +286,7 @@ impl<'a> Direct<'a> {
         let f = eval_bsdf(&s.material, wi, s.wo);
         let f_cos = BrokenTwin::f_cos(self.broken, f.f_cos, wi.z);
         let mut contribution = f_cos * light.radiance_over_pdf;
+        contribution *= light_opacity(&self.world, choice.index, s.position, light.wi);
         if self.sample_bsdf && !light.delta {
             let pdf_bsdf = BrokenTwin::density(self.broken, f.pdf);
             let pdf_light = of_samples(self.shadow_rays.rays(), light.pdf);

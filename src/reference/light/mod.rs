@@ -9,6 +9,7 @@ pub mod area_light;
 pub mod disk;
 pub mod environment;
 pub mod light;
+pub mod opacity;
 pub mod polygon;
 pub mod rectangle;
 pub mod sphere;
