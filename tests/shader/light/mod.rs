@@ -9,6 +9,7 @@ mod area_light;
 mod disk;
 mod environment;
 mod light;
+mod opacity;
 mod polygon;
 mod rectangle;
 mod seen;
