@@ -97,6 +97,8 @@ effects! {
     AlphaTexture "ALPHA_TEXTURE" "alpha-texture" Simulation |r| r.opacity_texture();
     /// Surfaces that emit.
     AreaLights "AREA_LIGHTS" "area-lights" Simulation |r| r.emitting_shape(|_, _| true);
+    /// Textures of what surfaces emit.
+    EmissiveTexture "EMISSIVE_TEXTURE" "emissive-texture" Simulation |r| r.emissive_texture();
     /// Triangles, rectangles or disks that emit and are sampled.
     PlanarLights "LIGHT_PLANAR" "planar-lights" Simulation
         |r| r.emitting_shape(|s, sampled| sampled && !matches!(s, Shape::Sphere { .. }));
@@ -120,6 +122,8 @@ effects! {
     /// Directional lights.
     DirectionalLights "LIGHT_DIRECTIONALS" "directional-lights" Simulation
         |r| r.light(|light| matches!(light, Emitter::Delta(Light::Directional { .. })).then_some("a directional light"));
+    /// Directional lights with an extent.
+    Suns "SUNS" "suns" Simulation |r| r.light(|light| matches!(light, Emitter::Sun(_)).then_some("a sun"));
     /// Light from everywhere.
     Environment "ENVIRONMENT" "environment" Simulation
         |r| r.light(|light| (*light == Emitter::Environment).then_some("[environment]"));

@@ -106,6 +106,9 @@ fn structs_have_the_same_members() {
         lens_up,
         orthographic,
         filter_knots,
+        first_sun,
+        suns,
+        frame_padding,
     });
     let dispatch = members!(Dispatch {
         block_start,

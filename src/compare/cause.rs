@@ -89,7 +89,7 @@ fn mechanisms(sample: &Sample) -> Vec<Mechanism> {
     if c.cell_margin < 4.0 * angle {
         found.push(Mechanism {
             predicted: 1.0,
-            sentence: "the direction crosses the edge of a cell of the environment's sampling grid, where its density jumps".to_owned(),
+            sentence: "the direction crosses the edge of a sun, or of a cell of the sampling grid of the environment or of a textured light: the density jumps there".to_owned(),
         });
     }
     found

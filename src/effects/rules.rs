@@ -187,6 +187,19 @@ impl Rules<'_> {
         })
     }
 
+    /// The first texture that varies a light.
+    pub(super) fn emissive_texture(&self) -> Option<String> {
+        let map = self.emitters.maps.first()?;
+        let texture = &self.scene.textures[map.texture.texture.index()];
+        Some(format!(
+            "{} emits {} ({} × {})",
+            self.scene.shapes[map.shape.index()].name,
+            texture.source,
+            texture.width,
+            texture.height
+        ))
+    }
+
     /// The first light for which `name` says something.
     pub(super) fn light(&self, name: fn(&Emitter) -> Option<&'static str>) -> Option<String> {
         self.emitters
@@ -281,7 +294,8 @@ impl Rules<'_> {
     }
 
     pub(super) fn bsdf_sampling(&self) -> Option<String> {
-        let reachable = self.has(Effect::AreaLights) || self.has(Effect::Environment);
+        let can_be_hit = [Effect::AreaLights, Effect::Suns, Effect::Environment];
+        let reachable = can_be_hit.into_iter().any(|effect| self.has(effect));
         (self.strategy.samples_directions() && reachable).then(|| self.by_strategy())
     }
 

@@ -1,16 +1,24 @@
 //! Everything that emits, as one list, and which of it light sampling chooses.
 
+pub mod area_map;
+mod emission_map;
 mod environment;
 mod selection;
+mod sun;
 pub mod tree;
 
+pub use emission_map::EmissionMap;
 pub use environment::EnvironmentGrid;
 pub use selection::Selection;
+pub use sun::Sun;
 pub use tree::LightTree;
 
 use crate::accel::Primitive;
 use crate::scene::normalize::Normalization;
-use crate::scene::{Environment, EnvironmentRadiance, Light, LightSelection, Scene, Strategy};
+use crate::scene::{
+    Emission, Environment, EnvironmentRadiance, Light, LightSelection, Scene, Strategy,
+};
+use emission_map::{Varies, of_primitives};
 use glam::DVec3;
 use std::f64::consts::PI;
 use tree::TreeLight;
@@ -22,13 +30,17 @@ pub enum Emitter {
     Area {
         /// Index of the primitive, in leaf order.
         primitive: u32,
-        /// Radiance.
+        /// Radiance; where a texture varies it, the factor on that.
         radiance: DVec3,
         /// Whether its back emits as well.
         two_sided: bool,
+        /// Index of the [`EmissionMap`] that varies the radiance.
+        map: Option<u32>,
     },
     /// A light without a surface; positions and intensities normalised.
     Delta(Light),
+    /// A sun.
+    Sun(Sun),
     /// The environment.
     Environment,
 }
@@ -42,6 +54,8 @@ pub struct Emitters {
     pub selection: Option<Selection>,
     /// How a direction towards the environment map is chosen, where there is a map that emits.
     pub environment: Option<EnvironmentGrid>,
+    /// Emission that varies over lights.
+    pub maps: Vec<EmissionMap>,
 }
 
 /// Rec. 709 luminance.
@@ -65,28 +79,27 @@ impl Emitters {
         strategy: Strategy,
         selection: LightSelection,
     ) -> Self {
-        let mut lights = Vec::new();
-        let mut power = Vec::new();
-        for (index, primitive) in primitives.iter().enumerate() {
-            let Some(emission) = scene.shapes[primitive.shape.index()].emission else {
-                continue;
-            };
-            if is_lit(emission.radiance) {
-                let sides = if emission.two_sided { 2.0 } else { 1.0 };
-                power.push(sides * PI * primitive.geometry.area() * luminance(emission.radiance));
-                lights.push(Emitter::Area {
-                    primitive: index as u32,
-                    radiance: emission.radiance,
-                    two_sided: emission.two_sided,
-                });
-            }
-        }
-        for light in &scene.lights {
+        let Surfaces {
+            mut lights,
+            mut power,
+            maps,
+        } = Surfaces::new(scene, primitives);
+        // Suns stand together.
+        let is_sun = |light: &&Light| matches!(light, Light::Sun { .. });
+        let points = scene.lights.iter().filter(|light| !is_sun(light));
+        for light in points.chain(scene.lights.iter().filter(is_sun)) {
             let light = normalized(light, normalization);
-            let of_light = delta_power(&light, normalization.radius);
+            let of_light = light_power(&light, normalization.radius);
             if of_light > 0.0 {
                 power.push(of_light);
-                lights.push(Emitter::Delta(light));
+                lights.push(match light {
+                    Light::Sun {
+                        direction,
+                        irradiance,
+                        angular_radius,
+                    } => Emitter::Sun(Sun::new(direction, irradiance, angular_radius)),
+                    point => Emitter::Delta(point),
+                });
             }
         }
         let mut grid = None;
@@ -108,13 +121,17 @@ impl Emitters {
             .iter()
             .zip(&power)
             .map(|(light, &power)| match (strategy, light, selection) {
-                (s, Emitter::Area { .. } | Emitter::Environment, _) if !s.samples_lights() => 0.0,
+                (s, Emitter::Area { .. } | Emitter::Sun(_) | Emitter::Environment, _)
+                    if !s.samples_lights() =>
+                {
+                    0.0
+                }
                 (_, _, LightSelection::Uniform | LightSelection::Tree | LightSelection::All) => 1.0,
                 (_, _, LightSelection::Power) => power,
             })
             .collect();
         let tree = match selection {
-            LightSelection::Tree => tree_over(&lights, &weights, primitives),
+            LightSelection::Tree => tree_over(&lights, &weights, primitives, &maps),
             LightSelection::Uniform | LightSelection::Power | LightSelection::All => None,
         };
         let table = || Selection::new(&weights, selection);
@@ -122,6 +139,7 @@ impl Emitters {
             selection: tree.map(Selection::Tree).or_else(table),
             lights,
             environment: grid,
+            maps,
         }
     }
 
@@ -145,6 +163,14 @@ impl Emitters {
         f64::from(rays) * self.probability(index)
     }
 
+    /// Index of the first sun, and how many there are.
+    pub fn suns(&self) -> (usize, usize) {
+        let is_sun = |light: &Emitter| matches!(light, Emitter::Sun(_));
+        let first = self.lights.iter().position(is_sun).unwrap_or(0);
+        let count = self.lights.iter().filter(|light| is_sun(light)).count();
+        (first, count)
+    }
+
     /// The lights that light sampling chooses.
     pub fn sampled(&self) -> impl Iterator<Item = &Emitter> {
         let lights = self.lights.iter().enumerate();
@@ -153,9 +179,65 @@ impl Emitters {
     }
 }
 
+/// The primitives that emit.
+#[derive(Default)]
+struct Surfaces {
+    lights: Vec<Emitter>,
+    power: Vec<f64>,
+    maps: Vec<EmissionMap>,
+}
+
+impl Surfaces {
+    fn new(scene: &Scene, primitives: &[Primitive]) -> Self {
+        let emission = |p: &Primitive| {
+            let emission = scene.shapes[p.shape.index()].emission;
+            emission.filter(|e| is_lit(e.radiance))
+        };
+        let lit: Vec<(u32, Emission)> = (0..)
+            .zip(primitives)
+            .filter_map(|(index, p)| Some((index, emission(p)?)))
+            .collect();
+        let emitting = lit.iter().map(|(index, _)| &primitives[*index as usize]);
+        let mut surfaces = Self::default();
+        for (&(index, emission), varies) in lit.iter().zip(of_primitives(scene, emitting)) {
+            surfaces.add(index, &primitives[index as usize], emission, varies);
+        }
+        surfaces
+    }
+
+    fn add(&mut self, index: u32, primitive: &Primitive, emission: Emission, varies: Varies) {
+        let (mean, map) = match varies {
+            Varies::Dark => return,
+            Varies::Not => (DVec3::ONE, None),
+            Varies::Textured(mut map) => {
+                let before = self.maps.last();
+                map.first_cell = before.map_or(0, |m| m.first_cell + m.grid[0] * m.grid[1]);
+                self.maps.push(*map);
+                let index = self.maps.len() - 1;
+                (self.maps[index].mean, Some(index as u32))
+            }
+        };
+        let sides = if emission.two_sided { 2.0 } else { 1.0 };
+        let area = primitive.geometry.area();
+        self.power
+            .push(sides * PI * area * luminance(emission.radiance * mean));
+        self.lights.push(Emitter::Area {
+            primitive: index,
+            radiance: emission.radiance,
+            two_sided: emission.two_sided,
+            map,
+        });
+    }
+}
+
 /// The light tree over those `lights` whose weight is positive. `None` where fewer than two of them are at a finite distance:
 /// the tree's rule then gives all the same probability.
-fn tree_over(lights: &[Emitter], weights: &[f64], primitives: &[Primitive]) -> Option<LightTree> {
+fn tree_over(
+    lights: &[Emitter],
+    weights: &[f64],
+    primitives: &[Primitive],
+    maps: &[EmissionMap],
+) -> Option<LightTree> {
     let mut finite = Vec::new();
     let mut infinite = Vec::new();
     let sampled = (0..).zip(lights).zip(weights).filter(|(_, w)| **w > 0.0);
@@ -165,13 +247,15 @@ fn tree_over(lights: &[Emitter], weights: &[f64], primitives: &[Primitive]) -> O
                 primitive,
                 radiance,
                 two_sided,
+                map,
             } => {
                 let geometry = &primitives[*primitive as usize].geometry;
-                let radiance = luminance(*radiance);
+                let mean = map.map_or(DVec3::ONE, |map| maps[map as usize].mean);
+                let radiance = luminance(*radiance * mean);
                 Some(TreeLight::area(index, geometry, radiance, *two_sided))
             }
             Emitter::Delta(light) => TreeLight::delta(index, light),
-            Emitter::Environment => None,
+            Emitter::Sun(_) | Emitter::Environment => None,
         };
         match light {
             Some(light) => finite.push(light),
@@ -203,13 +287,13 @@ fn normalized(light: &Light, n: &Normalization) -> Light {
             inner_angle,
             outer_angle,
         },
-        directional @ Light::Directional { .. } => directional,
+        far @ (Light::Directional { .. } | Light::Sun { .. }) => far,
     }
 }
 
-/// Power of a normalised light. Directional lights and the environment shine on the sphere of `radius`: the scene's, so
+/// Power of a normalised light. Directional lights, suns and the environment shine on the sphere of `radius`: the scene's, so
 /// that how often each light is chosen does not depend on the unit of length.
-fn delta_power(light: &Light, radius: f64) -> f64 {
+fn light_power(light: &Light, radius: f64) -> f64 {
     match *light {
         Light::Point { intensity, .. } => 4.0 * PI * luminance(intensity),
         Light::Spot {
@@ -221,7 +305,9 @@ fn delta_power(light: &Light, radius: f64) -> f64 {
             let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
             2.0 * PI * ((1.0 - inner) + (inner - outer) / 3.0) * luminance(intensity)
         }
-        Light::Directional { irradiance, .. } => PI * radius * radius * luminance(irradiance),
+        Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => {
+            PI * radius * radius * luminance(irradiance)
+        }
     }
 }
 

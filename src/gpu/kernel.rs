@@ -107,11 +107,14 @@ fn scene_types(effects: &Effects) -> Vec<(u32, wgpu::BindingType)> {
     if any(&data) || any(&colors) || any(&[Effect::SmoothNormals]) {
         types.push((7, READ));
     }
-    if any(&colors) {
+    if any(&colors) || any(&[Effect::EmissiveTexture]) {
         types.push((8, LAYERS));
     }
     if any(&data) {
         types.push((9, LAYERS));
+    }
+    if any(&[Effect::EmissiveTexture]) {
+        types.push((10, READ));
     }
     types
 }
@@ -262,6 +265,7 @@ impl SceneKernel {
             (7, scene.attributes.binding()),
             (8, texture(&scene.textures.colors.view)),
             (9, texture(&scene.textures.data.view)),
+            (10, scene.emission_cells.binding()),
         ]);
         resources.retain(|(binding, _)| self.scene_bindings.contains(binding));
         SceneBindings(bind(device, self.label, &self.scene_layout, resources))

@@ -80,6 +80,12 @@ pub struct Frame {
     pub orthographic: u32,
     /// The pixel filter's table, two ends of cells per word.
     pub filter_knots: [[f32; 4]; FILTER_WORDS],
+    /// Index of the first sun.
+    pub first_sun: u32,
+    /// Number of suns.
+    pub suns: u32,
+    /// Unused.
+    pub frame_padding: [u32; 2],
 }
 
 /// Words of [`Frame::filter_knots`].
@@ -260,6 +266,12 @@ shared! {
     "scene::fetch" TWO_SIDED_BIT = 8;
     /// Set in a light's head where its edges or half axes are not orthogonal.
     "scene::fetch" SKEWED_BIT = 16;
+    /// Words of a light.
+    "scene::fetch" LIGHT_WORDS = 4;
+    /// Above these bits of a light's head stands the word of its emission map.
+    "scene::fetch" EMISSION_SHIFT = 5;
+    /// Words of an emission map.
+    "scene::fetch" EMISSION_WORDS = 3;
     /// Marks a reference to a light in the light tree.
     "light::tree" TREE_LEAF = crate::emitters::tree::TREE_LEAF;
     /// Cells of the pixel filter's table.

@@ -1,13 +1,14 @@
 //! Lights as the GPU reads them: the formats of `shaders/scene/fetch.wesl` and of what lights are chosen by.
 
 use super::layout::{
-    LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE,
-    LIGHT_SPOT, LIGHT_TRIANGLE, NONE, SKEWED_BIT, TWO_SIDED_BIT,
+    EMISSION_SHIFT, EMISSION_WORDS, LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_POINT,
+    LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, LIGHT_WORDS, NONE, SKEWED_BIT,
+    TWO_SIDED_BIT,
 };
 use super::scene_buffers::{Word, bits, word};
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
-use crate::emitters::{Emitter, Selection};
+use crate::emitters::{EmissionMap, Emitter, Selection};
 use crate::render::Prepared;
 use crate::scene::Light;
 use crate::scene::alias_table::AliasTable;
@@ -27,39 +28,51 @@ pub(super) fn choice_words(prepared: &Prepared) -> Vec<Word> {
     }
 }
 
-/// Four words per light; behind them, where lights have an opacity, one per light: the primitive of those that do.
-pub(super) fn light_words(prepared: &Prepared) -> Vec<Word> {
+/// [`LIGHT_WORDS`] per light; behind them, where lights have an opacity, the primitive of each that has one; then
+/// [`EMISSION_WORDS`] per map of emission. `textures` tells per shape at which word of the materials the texture of its
+/// emission begins.
+pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
     let tree = prepared.emitters.selection.as_ref();
     let tree = tree.and_then(Selection::tree);
     let trail = |index: usize| tree.map_or(0, |tree| tree.trails[index]);
-    let words = prepared
-        .emitters
-        .lights
-        .iter()
-        .enumerate()
-        .flat_map(|(index, emitter)| {
-            let samples = bits(prepared.light_samples(index));
-            match *emitter {
-                Emitter::Area {
-                    primitive,
-                    radiance,
-                    two_sided,
-                } => area_light(
+    let opacities = prepared.effects.contains(Effect::AlphaLights);
+    let of_light = LIGHT_WORDS + u32::from(opacities);
+    let maps_begin = of_light * prepared.emitters.lights.len() as u32;
+    let lights = prepared.emitters.lights.iter().enumerate();
+    let words = lights.flat_map(|(index, emitter)| {
+        let samples = bits(prepared.light_samples(index));
+        match *emitter {
+            Emitter::Area {
+                primitive,
+                radiance,
+                two_sided,
+                map,
+            } => {
+                let mut words = area_light(
                     &prepared.primitives[primitive as usize].geometry,
                     radiance,
                     two_sided,
                     [samples, trail(index)],
-                ),
-                Emitter::Delta(light) => delta_light(&light, samples),
-                Emitter::Environment => [
-                    [0, 0, 0, LIGHT_ENVIRONMENT],
-                    [0, 0, 0, samples],
-                    [0; 4],
-                    [0; 4],
-                ],
+                );
+                let word = map.map_or(0, |map| maps_begin + EMISSION_WORDS * map);
+                words[0][3] |= word << EMISSION_SHIFT;
+                words
             }
-        });
-    let opacities = prepared.effects.contains(Effect::AlphaLights);
+            Emitter::Delta(light) => delta_light(&light, samples),
+            Emitter::Sun(sun) => [
+                word(sun.towards, LIGHT_DIRECTIONAL),
+                word(DVec3::ZERO, samples),
+                word(DVec3::new(sun.height, 0.0, 0.0), 0),
+                word(sun.radiance, 0),
+            ],
+            Emitter::Environment => [
+                [0, 0, 0, LIGHT_ENVIRONMENT],
+                [0, 0, 0, samples],
+                [0; 4],
+                [0; 4],
+            ],
+        }
+    });
     let primitives = prepared.emitters.lights.iter().filter(|_| opacities);
     let primitives = primitives.map(|emitter| match emitter {
         Emitter::Area { primitive, .. }
@@ -69,7 +82,25 @@ pub(super) fn light_words(prepared: &Prepared) -> Vec<Word> {
         }
         _ => [NONE, 0, 0, 0],
     });
-    words.chain(primitives).collect()
+    let maps = prepared.emitters.maps.iter();
+    let maps = maps.flat_map(|map| emission_words(map, textures[map.shape.index()]));
+    words.chain(primitives).chain(maps).collect()
+}
+
+fn emission_words(map: &EmissionMap, texture: u32) -> [Word; EMISSION_WORDS as usize] {
+    let [a, b, c] = map.uvs.map(|uv| uv.map(f32::to_bits));
+    [
+        [a[0], a[1], b[0], b[1]],
+        [c[0], c[1], texture, map.first_cell],
+        [map.grid[0], map.grid[1], 0, 0],
+    ]
+}
+
+/// One word per cell of the maps of emission.
+pub(super) fn emission_cell_words(prepared: &Prepared) -> Vec<Word> {
+    let maps = prepared.emitters.maps.iter();
+    let words = maps.flat_map(|m| alias_words(&m.table, |cell| m.table.probability[cell]));
+    words.collect()
 }
 
 fn area_light(
@@ -138,6 +169,7 @@ fn delta_light(light: &Light, samples: u32) -> [Word; 4] {
             [0; 4],
             word(irradiance, 0),
         ],
+        Light::Sun { .. } => unreachable!("suns are emitters of their own"),
     }
 }
 

@@ -11,10 +11,16 @@ use crate::scene::material::{BsdfParameters, Fresnel};
 use crate::scene::{Bsdf, Material, Scene, TextureUse, Wrap};
 use glam::DVec3;
 
-/// [`MATERIAL_WORDS`] words per material; behind them [`TEXTURED_WORDS`] per one with textures or an opacity, and three per
-/// use of a texture.
-/// The atlases of colours and of other numbers tell where textures lie.
-pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Vec<Word> {
+/// Words of materials and textures.
+pub(super) struct MaterialWords {
+    /// [`MATERIAL_WORDS`] per material; behind them [`TEXTURED_WORDS`] per textured one, and three per use of a texture.
+    pub(super) words: Vec<Word>,
+    /// Per shape, the word at which the texture of what it emits begins; [`NONE`] where it has none.
+    pub(super) emission: Vec<u32>,
+}
+
+/// The materials of `scene`. The atlases of colours and of other numbers tell where textures lie.
+pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> MaterialWords {
     let materials = scene.materials.iter();
     let mut words: Vec<Word> = materials
         .flat_map(|m| one_material(&m.bsdf.parameters()))
@@ -53,7 +59,16 @@ pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Vec<
         words[first as usize + 2] = indices;
         words[first as usize + 3][1..].copy_from_slice(&opacity);
     }
-    words
+    let emission = scene.shapes.iter().map(|shape| {
+        let Some(texture) = shape.emission.and_then(|e| e.texture) else {
+            return NONE;
+        };
+        let at = words.len() as u32;
+        words.extend(texture_words(scene, &texture, colors));
+        at
+    });
+    let emission = emission.collect();
+    MaterialWords { words, emission }
 }
 
 fn one_material(p: &BsdfParameters) -> [Word; MATERIAL_WORDS as usize] {

@@ -7,8 +7,8 @@ use super::layout::{
     ATTRIBUTE_BITS, FILTER_WORDS, Frame, HAS_NORMALS, HAS_OPACITY, HAS_UVS, KIND_DISK,
     KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, NONE, ONE_SIDED_BIT, TILE,
 };
-use super::lights::{choice_words, light_words};
-use super::materials::material_words;
+use super::lights::{choice_words, emission_cell_words, light_words};
+use super::materials::{MaterialWords, material_words};
 use super::textures::{TextureArrays, atlases};
 use crate::accel::{Attributed, Node, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Selection};
@@ -30,7 +30,7 @@ pub struct SceneBuffers {
     pub primitives: GpuBuffer<Word>,
     /// [`MATERIAL_WORDS`](super::layout::MATERIAL_WORDS) words per material, and those of textures.
     pub materials: GpuBuffer<Word>,
-    /// Four words per light, and where lights have an opacity one more.
+    /// [`LIGHT_WORDS`](super::layout::LIGHT_WORDS) words per light, and those of maps of emission.
     pub lights: GpuBuffer<Word>,
     /// What lights are chosen by: an alias table, one word per light; or a light tree, three words per node and one per
     /// light outside of it.
@@ -39,8 +39,10 @@ pub struct SceneBuffers {
     pub environment: Option<EnvironmentBuffers>,
     /// Three words per triangle with vertex normals or texture coordinates.
     pub attributes: GpuBuffer<Word>,
-    /// Textures of materials.
+    /// Textures of materials and lights.
     pub textures: TextureArrays,
+    /// One word per cell of the maps of emission.
+    pub emission_cells: GpuBuffer<Word>,
 }
 
 impl SceneBuffers {
@@ -53,8 +55,12 @@ impl SceneBuffers {
         let attributes = attribute_words(prepared);
         let textures = TextureArrays::new(context, &prepared.scene)?;
         let places = [&textures.colors.atlas, &textures.data.atlas];
-        let materials = material_words(&prepared.scene, places);
-        let lights = light_words(prepared);
+        let MaterialWords {
+            words: materials,
+            emission,
+        } = material_words(&prepared.scene, places);
+        let lights = light_words(prepared, &emission);
+        let cells = emission_cell_words(prepared);
         let choice = choice_words(prepared);
         for (what, bytes) in [
             (
@@ -69,6 +75,10 @@ impl SceneBuffers {
             ("the materials", size_of_val(materials.as_slice())),
             ("the lights", size_of_val(lights.as_slice())),
             ("what lights are chosen by", size_of_val(choice.as_slice())),
+            (
+                "what points on textured lights are chosen by",
+                size_of_val(cells.as_slice()),
+            ),
         ] {
             check_size(context, what, bytes as u64)?;
         }
@@ -89,6 +99,7 @@ impl SceneBuffers {
             environment,
             attributes: GpuBuffer::storage(device, "scene.attributes", &attributes),
             textures,
+            emission_cells: GpuBuffer::storage(device, "scene.emission_cells", &cells),
         })
     }
 }
@@ -100,17 +111,22 @@ impl SceneBuffers {
         let nodes = prepared.bvh.nodes.len().max(1) * size_of::<Node>();
         let scene = &prepared.scene;
         let [colors, data] = atlases(scene);
-        let materials = material_words(scene, [&colors, &data]).len();
+        let materials = material_words(scene, [&colors, &data]);
+        let lights = light_words(prepared, &materials.emission).len();
         let attributes = 3 * prepared.attributes.triangles.len();
         let mut sizes = vec![
             ("scene.nodes", nodes as u64),
             ("scene.primitives", words(3 * prepared.primitives.len())),
-            ("scene.materials", words(materials)),
-            ("scene.lights", words(light_words(prepared).len())),
+            ("scene.materials", words(materials.words.len())),
+            ("scene.lights", words(lights)),
             ("scene.light_choice", words(choice_words(prepared).len())),
             ("scene.attributes", words(attributes)),
             ("scene.color_textures", colors.bytes(scene)),
             ("scene.data_textures", data.bytes(scene)),
+            (
+                "scene.emission_cells",
+                words(emission_cell_words(prepared).len()),
+            ),
         ];
         let radiance = prepared.scene.environment.as_ref().map(|e| &e.radiance);
         if let (Some(EnvironmentRadiance::Map(map)), Some(grid)) =
@@ -251,6 +267,9 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
         filter_knots: filter_words(&filter),
         ..Frame::default()
     };
+    let (first_sun, suns) = prepared.emitters.suns();
+    frame.first_sun = first_sun as u32;
+    frame.suns = suns as u32;
     let tree = prepared.emitters.selection.as_ref();
     if let Some(tree) = tree.and_then(Selection::tree) {
         frame.light_grid_origin = tree.grid.origin;

@@ -95,21 +95,29 @@ pub struct TextureArray {
     pub view: wgpu::TextureView,
 }
 
-/// The textures that the materials of `scene` read: as colours, and as other numbers.
+/// The textures that the materials and lights of `scene` read: as colours, and as other numbers.
 pub fn atlases(scene: &Scene) -> [Atlas; 2] {
-    let read = |ids: fn(&Material) -> [Option<TextureId>; 2]| {
+    let emitted = scene.shapes.iter().filter_map(|s| s.emission?.texture);
+    let emitted: Vec<TextureId> = emitted.map(|u| u.texture).collect();
+    let read = |ids: fn(&Material) -> [Option<TextureId>; 2], further: &[TextureId]| {
         let ids = scene.materials.iter().flat_map(ids).flatten();
-        let mut ids: Vec<TextureId> = ids.collect();
+        let mut ids: Vec<TextureId> = ids.chain(further.iter().copied()).collect();
         ids.sort_unstable();
         ids.dedup();
         Atlas::new(ids.into_iter().map(|id| (id, &scene.textures[id.index()])))
     };
     [
-        read(|m| [m.textures.color, m.opacity.texture].map(|used| used.map(|u| u.texture))),
-        read(|m| {
-            let normal = m.textures.normal.map(|map| map.texture.texture);
-            [m.textures.metallic_roughness.map(|u| u.texture), normal]
-        }),
+        read(
+            |m| [m.textures.color, m.opacity.texture].map(|used| used.map(|u| u.texture)),
+            &emitted,
+        ),
+        read(
+            |m| {
+                let normal = m.textures.normal.map(|map| map.texture.texture);
+                [m.textures.metallic_roughness.map(|u| u.texture), normal]
+            },
+            &[],
+        ),
     ]
 }
 

@@ -3,8 +3,9 @@
 use glam::{DMat3, DVec3};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use std::f64::consts::PI;
 
-/// A light without a surface: only light sampling can reach it.
+/// A light without a surface: only light sampling can reach it, but for suns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
     /// Radiates equally from a point.
@@ -35,6 +36,24 @@ pub enum Light {
         /// Irradiance on a surface that faces it (W·m⁻²; from glTF: lux).
         irradiance: DVec3,
     },
+    /// Infinitely far away, and a disk of constant radiance in the sky.
+    Sun {
+        /// Unit direction in which the light of its middle travels.
+        direction: DVec3,
+        /// Irradiance on a surface that faces it (W·m⁻²).
+        irradiance: DVec3,
+        /// Half the angle under which it is seen, in radians, in [[`MIN_SUN`], π/2].
+        angular_radius: f64,
+    },
+}
+
+/// Smallest angular radius of a sun, in radians: f32 still resolves directions within it.
+pub const MIN_SUN: f64 = 0.0005 * PI / 180.0;
+
+/// The radiance whose integral over the cone, with the cosine at a surface that faces it, is `irradiance`: the cone's
+/// projected solid angle is π sin²θ.
+pub fn sun_radiance(irradiance: DVec3, angular_radius: f64) -> DVec3 {
+    irradiance / (PI * angular_radius.sin().powi(2))
 }
 
 /// Light from everywhere that no surface covers.

@@ -12,6 +12,7 @@ pub mod fresnel;
 pub mod ids;
 pub mod light;
 pub mod load;
+pub mod lookup;
 pub mod material;
 pub mod metals;
 pub mod normalize;
@@ -69,13 +70,15 @@ impl Scene {
     /// as many as there are shadow rays, where the strategy samples them; lights without a surface, which nothing else
     /// reaches, have one.
     pub fn samples_of_all_lights(&self) -> u64 {
-        let mut samples = self.lights.len() as u64;
+        let is_sun = |light: &&Light| matches!(light, Light::Sun { .. });
+        let suns = self.lights.iter().filter(is_sun).count() as u64;
+        let mut samples = self.lights.len() as u64 - suns;
         if self.render.strategy.samples_lights() {
             let lit = |e: Emission| e.radiance.max_element() > 0.0;
             let emitting = self.shapes.iter().filter(|s| s.emission.is_some_and(lit));
             let primitives: u64 = emitting.map(|s| s.geometry.primitives()).sum();
             let environments = u64::from(self.environment.is_some());
-            samples += (primitives + environments) * u64::from(self.render.shadow_rays);
+            samples += (primitives + suns + environments) * u64::from(self.render.shadow_rays);
         }
         samples
     }

@@ -1,5 +1,6 @@
 //! Whether the numbers of a valid scene are still finite once it is moved, scaled and rounded to f32.
 
+use super::light::sun_radiance;
 use super::normalize::{Normalization, bounds};
 use super::{Environment, EnvironmentRadiance, Geometry, Lens, Light, Projection, Scene, Shape};
 use crate::error::InputError;
@@ -154,7 +155,10 @@ impl Range<'_> {
                 );
             }
         }
-        let radiance = shape.emission.map_or(DVec3::ZERO, |e| e.radiance);
+        let radiance = shape.emission.map_or(DVec3::ZERO, |e| {
+            let texture = e.texture.map(|u| &self.scene.textures[u.texture.index()]);
+            e.radiance * texture.map_or(1.0, |t| t.largest())
+        });
         self.bright(
             radiance,
             || format!("{}.emission.radiance", shape.field()),
@@ -180,6 +184,18 @@ impl Range<'_> {
             }
             Light::Directional { irradiance, .. } => {
                 self.bright(irradiance, || format!("{field}.irradiance"), "")
+            }
+            Light::Sun {
+                irradiance,
+                angular_radius,
+                ..
+            } => {
+                let radiance = sun_radiance(irradiance, angular_radius);
+                self.bright(
+                    radiance,
+                    || format!("{field}.irradiance"),
+                    " in its radiance",
+                )
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Geometry, in world space and f64.
 
 use super::ids::MaterialId;
+use super::texture::TextureUse;
 use glam::{DVec2, DVec3};
 
 /// A surface of the scene.
@@ -99,6 +100,8 @@ pub struct Mesh {
 pub struct Emission {
     /// Radiance per channel (W·sr⁻¹·m⁻²; from glTF: nit).
     pub radiance: DVec3,
+    /// Factor on it that varies over the surface.
+    pub texture: Option<TextureUse>,
     /// Whether the back emits as well.
     pub two_sided: bool,
 }

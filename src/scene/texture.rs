@@ -42,6 +42,25 @@ impl Texture {
         }
     }
 
+    /// Largest red, green or blue.
+    pub fn largest(&self) -> f64 {
+        let largest = |[r, g, b]: [f64; 3]| r.max(g).max(b);
+        match &self.texels {
+            Texels::Bytes(texels) => {
+                let values = texels
+                    .iter()
+                    .map(|t| largest([t[0], t[1], t[2]].map(f64::from)));
+                values.fold(0.0, f64::max) / 255.0
+            }
+            Texels::Halves(texels) => {
+                let values = texels
+                    .iter()
+                    .map(|t| largest([t[0], t[1], t[2]].map(f64::from)));
+                values.fold(0.0, f64::max)
+            }
+        }
+    }
+
     /// Red, green and blue of all its texels, where they are the same.
     pub fn constant(&self) -> Option<DVec3> {
         let same = match &self.texels {

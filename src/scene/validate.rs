@@ -5,6 +5,7 @@
 mod materials;
 mod view;
 
+use super::light::MIN_SUN;
 use super::range;
 use super::settings::MAX_SPECULAR_DEPTH;
 use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
@@ -218,6 +219,22 @@ impl Check<'_> {
             } => {
                 unit(direction)?;
                 self.power(irradiance, || format!("{field}.irradiance"))
+            }
+            Light::Sun {
+                direction,
+                irradiance,
+                angular_radius,
+            } => {
+                unit(direction)?;
+                self.power(irradiance, || format!("{field}.irradiance"))?;
+                let diameter = 2.0 * angular_radius.to_degrees();
+                self.require(
+                    // Converting degrees to radians and back rounds.
+                    (MIN_SUN * (1.0 - 1e-12)..=FRAC_PI_2).contains(&angular_radius),
+                    || format!("{field}.angular_diameter"),
+                    || format!("is {diameter}"),
+                    "0, or 0.001 to 180 degrees",
+                )
             }
         }
     }

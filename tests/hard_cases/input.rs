@@ -93,6 +93,7 @@ fn triangles_that_are_none_change_no_pixel() {
         }),
         material: kept.shapes[1].material,
         emission: Some(Emission {
+            texture: None,
             radiance: DVec3::splat(5.0),
             two_sided: true,
         }),

@@ -120,6 +120,7 @@ fn loops_longer_than_a_drivers_budget_lose_no_sample() {
     let mut scene = floor_pixel();
     scene.shapes[0].emission = Some(Emission {
         radiance: DVec3::ONE,
+        texture: None,
         two_sided: false,
     });
     let mut one_sided = lambert(0.5);

@@ -87,7 +87,9 @@ fn brighten(scene: &mut Scene, factor: f64) {
     for light in &mut scene.lights {
         match light {
             Light::Point { intensity, .. } | Light::Spot { intensity, .. } => *intensity *= factor,
-            Light::Directional { irradiance, .. } => *irradiance *= factor,
+            Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => {
+                *irradiance *= factor
+            }
         }
     }
     if let Some(environment) = &mut scene.environment {

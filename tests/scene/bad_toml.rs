@@ -73,7 +73,7 @@ fn syntax_and_keys() {
     );
     says(
         shape("type = \"sphere\"\n[shapes.emission]\nradiance = 1\ncolor = 2"),
-        "shapes[0].emission.color: unknown key `color` (line 5); expected `radiance` or `two_sided`",
+        "shapes[0].emission.color: unknown key `color` (line 5); expected `radiance`, `texture`, `two_sided`",
     );
     says(
         shape("type = \"cone\""),
@@ -239,6 +239,10 @@ fn shapes() {
         )),
         "shapes[0].emission.radiance: is [1, -1, 0]; expected finite numbers, not negative",
     );
+    says(
+        shape("type = \"sphere\"\nemission = { radiance = 1, texture = { file = \"none.png\" } }"),
+        "shapes[0].emission.texture.file: there is no file `none.png`; expected a file beside the scene file",
+    );
 }
 
 #[test]
@@ -263,6 +267,18 @@ fn lights() {
     says(
         light("type = \"spot\"\nposition = [0, 0, 0]\nintensity = 1"),
         "lights[0]: the direction is given twice or not at all; expected `direction` or `target`",
+    );
+    says(
+        light(
+            "type = \"directional\"\ndirection = [0, 0, 1]\nirradiance = 1\nangular_diameter = 200",
+        ),
+        "lights[0].angular_diameter: is 200; expected 0, or 0.001 to 180 degrees",
+    );
+    says(
+        light(
+            "type = \"directional\"\ndirection = [0, 0, 1]\nirradiance = 1\nangular_diameter = -1",
+        ),
+        "lights[0].angular_diameter: is -1; expected 0, or 0.001 to 180 degrees",
     );
     says(
         light("type = \"directional\"\ndirection = [0, 0, 0]\nirradiance = 1"),

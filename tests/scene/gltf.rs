@@ -231,7 +231,7 @@ fn what_is_left_out_is_said_once() {
                 "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
                 "occlusionTexture": { "index": 0 }
             },
-            { "emissiveTexture": { "index": 0 } }
+            {}
         ]),
     );
     let json = with_texture(json, &png(&[[255, 0, 0], [0, 255, 0]]));
@@ -267,7 +267,6 @@ fn what_is_left_out_is_said_once() {
         scene.warnings,
         [
             "scene.gltf: occlusionTexture of 1 material is ignored, shadow rays are traced instead",
-            "scene.gltf: emissiveTexture of 1 material is ignored, its factors are used",
             "scene.gltf: textures of 1 primitive have no texture coordinates: their factors are used",
             "scene.gltf: vertex colours of 1 primitive are not supported and ignored",
             "scene.gltf: morph targets of 1 primitive are not supported: the base shape is rendered",

@@ -117,6 +117,38 @@ fn gltf_textures_come_with_sampler_and_transform() {
     assert_eq!(mesh(&scene).uvs, [DVec2::ZERO, DVec2::X, DVec2::Y]);
 }
 
+/// Where the factor is black nothing emits, whatever the texture says.
+#[test]
+fn gltf_materials_emit_textures() {
+    let material = |factor: f64| {
+        let material = json!([{
+            "emissiveFactor": [factor, factor, factor],
+            "emissiveTexture": { "index": 0 },
+            "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 6 } }
+        }]);
+        let json = with(textured_triangle(), "/materials", material);
+        let used = json!(["KHR_materials_emissive_strength"]);
+        with(json, "/extensionsUsed", used)
+    };
+    let two = png(&[[255, 0, 188], [0, 255, 64]]);
+    let scene = load_gltf(&with_texture(material(0.5), &two)).expect("a valid glTF");
+    let emission = scene.shapes[0].emission.expect("it emits");
+    let texture = emission.texture.expect("a texture");
+    assert_eq!(emission.radiance, DVec3::splat(3.0));
+    let decoded = scene.textures[texture.texture.index()].texel(0, 0);
+    assert!((decoded.z - 0.502_886).abs() < 5e-4, "{decoded}");
+    assert_eq!(mesh(&scene).uvs, [DVec2::ZERO, DVec2::X, DVec2::Y]);
+
+    let constant = png(&[[0, 255, 188]; 3]);
+    let scene = load_gltf(&with_texture(material(0.5), &constant)).expect("a valid glTF");
+    let emission = scene.shapes[0].emission.expect("it emits");
+    assert_eq!(emission.texture, None, "one value is a factor");
+    assert!((emission.radiance - DVec3::new(0.0, 3.0, 1.508_66)).length() < 2e-3);
+
+    let scene = load_gltf(&with_texture(material(0.0), &two)).expect("a valid glTF");
+    assert_eq!(scene.shapes[0].emission, None);
+}
+
 /// A colour of one value is a factor, a flat normal map nothing; a material then reads no texture.
 #[test]
 fn constant_textures_call_for_nothing() {

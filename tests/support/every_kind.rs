@@ -93,6 +93,7 @@ pub fn every_kind(environment: Environment) -> Scene {
             geometry,
             material: MaterialId(2),
             emission: Some(Emission {
+                texture: None,
                 radiance: DVec3::new(1.0 + f64::from(i), 2.0, 0.5),
                 two_sided: i == 1,
             }),

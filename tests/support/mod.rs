@@ -168,6 +168,7 @@ pub fn shape(name: &str, geometry: Geometry) -> Shape {
 pub fn emitter(geometry: Geometry, radiance: f64, two_sided: bool) -> Shape {
     Shape {
         emission: Some(Emission {
+            texture: None,
             radiance: DVec3::splat(radiance),
             two_sided,
         }),

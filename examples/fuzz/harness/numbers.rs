@@ -169,6 +169,15 @@ impl<F: FnMut(f64) -> f64> Visitor<'_, F> {
                 self.vector(direction);
                 self.vector(irradiance);
             }
+            Light::Sun {
+                direction,
+                irradiance,
+                angular_radius,
+            } => {
+                self.vector(direction);
+                self.vector(irradiance);
+                self.number(angular_radius);
+            }
         }
     }
 }

@@ -65,9 +65,12 @@ fn lights(prepared: &Prepared) -> Result<(), String> {
                 small("position of a light", position)?;
                 finite("intensity", intensity)?;
             }
-            Emitter::Delta(Light::Directional { irradiance, .. }) => {
+            Emitter::Delta(
+                Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. },
+            ) => {
                 finite("irradiance", irradiance)?;
             }
+            Emitter::Sun(sun) => finite("radiance of a sun", sun.radiance)?,
         }
     }
     let lit = !prepared.emitters.lights.is_empty();

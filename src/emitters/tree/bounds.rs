@@ -171,7 +171,7 @@ impl TreeLight {
                 };
                 (position, intensity, normals, outer_angle - inner_angle)
             }
-            Light::Directional { .. } => return None,
+            Light::Directional { .. } | Light::Sun { .. } => return None,
         };
         let bounds = LightBounds {
             low: position,

@@ -40,6 +40,14 @@ pub enum NotExact {
         "[environment]: exact visibility is known for polygons only, not for the sky between them"
     )]
     Environment,
+    /// Light from a sun.
+    #[error(
+        "there is a sun; exact irradiance is known for polygons and lights without extent only"
+    )]
+    Sun,
+    /// Emission that varies over a light.
+    #[error("{0} emits a texture; exact irradiance is known for constant radiance only")]
+    EmissiveTexture(String),
     /// Normals that are not the polygons'.
     #[error("{0} has shading normals; exact irradiance is known for flat polygons only")]
     ShadingNormals(String),
@@ -85,6 +93,14 @@ impl<'a> ExactScene<'a> {
             .contains(&Emitter::Environment)
         {
             return Err(NotExact::Environment);
+        }
+        let mut lights = world.prepared.emitters.lights.iter();
+        if lights.any(|light| matches!(light, Emitter::Sun(_))) {
+            return Err(NotExact::Sun);
+        }
+        if let Some(map) = world.prepared.emitters.maps.first() {
+            let shape = &world.prepared.scene.shapes[map.shape.index()];
+            return Err(NotExact::EmissiveTexture(shape.name.clone()));
         }
         if world.prepared.effects.contains(Effect::EnergyCompensation) {
             return Err(NotExact::Compensated);
@@ -137,7 +153,7 @@ impl<'a> ExactScene<'a> {
         let s = surface_at(self.world, ray, &hit, -ray.direction);
         let mut sum = Estimate::ZERO;
         if let Some(light) = s.light {
-            sum.value += emitted_radiance(self.world, light, s.front);
+            sum.value += emitted_radiance(self.world, light, s.front, hit.st);
         }
         for emitter in &self.world.prepared.emitters.lights {
             let of_light = match *emitter {
@@ -145,9 +161,10 @@ impl<'a> ExactScene<'a> {
                     primitive,
                     radiance,
                     two_sided,
+                    map: _,
                 } => self.of_polygon(&s, hit.primitive, primitive, radiance, two_sided),
                 Emitter::Delta(light) => self.of_delta(&s, &light),
-                Emitter::Environment => unreachable!("refused in `new`"),
+                Emitter::Sun(_) | Emitter::Environment => unreachable!("refused in `new`"),
             };
             sum.value += of_light.value;
             sum.error += of_light.error;
@@ -243,6 +260,7 @@ impl<'a> ExactScene<'a> {
                 let e = directional_irradiance(n, -direction, 1.0);
                 (-direction, s.position - 4.0 * direction, e, irradiance)
             }
+            Light::Sun { .. } => unreachable!("suns are emitters of their own"),
         };
         let ray = Ray {
             origin: s.origin,

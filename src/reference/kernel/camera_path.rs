@@ -8,7 +8,7 @@ use crate::reference::core::frame::to_world;
 use crate::reference::core::ray::{Hit, Ray};
 use crate::reference::core::rng::to_unit;
 use crate::reference::core::sampler::{GROUP_SPECULAR, Numbers, SampleId};
-use crate::reference::light::light::{emitted_radiance, environment_radiance};
+use crate::reference::light::light::{distant_radiance, emitted_radiance};
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::{Crossings, RAY_CAMERA};
 use crate::reference::scene::surface::{Surface, is_above, surface_at};
@@ -84,12 +84,12 @@ pub fn follow_camera_ray(
         let hit = closest_hit(world, &ray, Crossings::of_sample(id).of_ray(number));
         record_hit(sample, hit.as_ref());
         let Some(hit) = hit else {
-            sample.radiance += throughput * environment_radiance(world, ray.direction);
+            sample.radiance += throughput * distant_radiance(world, ray.direction);
             return None;
         };
         let surface = surface_at(world, &ray, &hit, -ray.direction);
         if let Some(light) = surface.light {
-            sample.radiance += throughput * emitted_radiance(world, light, surface.front);
+            sample.radiance += throughput * emitted_radiance(world, light, surface.front, hit.st);
         }
         let bounce = sample.path.further_rays;
         let [word, ..] = numbers.group(id, GROUP_SPECULAR + bounce);

@@ -7,7 +7,7 @@
 use super::camera::camera_ray;
 use super::camera_path::follow_camera_ray;
 use super::filter::film_point;
-use super::sample::{BsdfRay, Sample};
+use super::sample::Sample;
 use super::shadow_rays::{LightNumbers, ShadowRays};
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
@@ -16,28 +16,25 @@ use crate::reference::broken::BrokenTwin;
 use crate::reference::bsdf::bsdf::{
     BsdfSample, Hemisphere, eval_bsdf, sample_bsdf, sample_hemisphere,
 };
-use crate::reference::core::frame::{to_local, to_world};
+use crate::reference::core::frame::to_local;
 use crate::reference::core::math::max_abs;
 use crate::reference::core::pdf::{
     PdfDiscrete, PdfSolidAngle, balance_heuristic, of_samples, power_heuristic,
 };
 use crate::reference::core::ray::Ray;
-use crate::reference::core::rng::{to_unit, to_unit_2d};
+use crate::reference::core::rng::to_unit_2d;
 use crate::reference::core::sampler::{
     GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, Numbers, SampleId,
 };
 use crate::reference::light::alias_table::Choice;
-use crate::reference::light::area_light::{LightSample, pdf_area_light, pdf_light_area};
-use crate::reference::light::light::{
-    choose_light, emitted_radiance, environment_cell_margin, environment_radiance, own_samples,
-    pdf_environment, sample_chosen_light,
-};
+use crate::reference::light::area_light::LightSample;
+use crate::reference::light::light::{choose_light, own_samples, sample_chosen_light};
 use crate::reference::light::opacity::light_opacity;
 use crate::reference::light::tree::choose_tree_light;
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::{Crossings, RAY_BSDF, RAY_SHADOW};
-use crate::reference::scene::surface::{Surface, is_above, shadow_ray, surface_at};
-use crate::reference::scene::trace::{any_hit, closest_hit};
+use crate::reference::scene::surface::{Surface, is_above, shadow_ray};
+use crate::reference::scene::trace::any_hit;
 use crate::render::Prepared;
 use crate::scene::FilmSize;
 use crate::scene::filter::FilterTable;
@@ -46,17 +43,17 @@ use glam::{DVec2, DVec3};
 /// The estimator in f64, with the renderer's random numbers.
 #[derive(Debug)]
 pub struct Direct<'a> {
-    world: World<'a>,
+    pub(super) world: World<'a>,
     size: FilmSize,
     seed: u32,
     numbers: Numbers,
-    shadow_rays: ShadowRays,
-    sample_lights: bool,
+    pub(super) shadow_rays: ShadowRays,
+    pub(super) sample_lights: bool,
     sample_bsdf: bool,
     hemisphere: Option<Hemisphere>,
     filter: FilterTable,
     balance: bool,
-    broken: Option<BrokenTwin>,
+    pub(super) broken: Option<BrokenTwin>,
     left_out: u32,
 }
 
@@ -199,7 +196,7 @@ impl<'a> Direct<'a> {
     }
 
     /// Weight of the strategy with density `a` when `b` could have made the same sample.
-    fn mis_weight(&self, a: PdfSolidAngle, b: PdfSolidAngle) -> f64 {
+    pub(super) fn mis_weight(&self, a: PdfSolidAngle, b: PdfSolidAngle) -> f64 {
         if self.balance {
             balance_heuristic(a, b)
         } else {
@@ -208,7 +205,7 @@ impl<'a> Direct<'a> {
     }
 
     /// A direction from a surface, without regard to lights.
-    fn choose_direction(&self, s: &Surface, lobe: f64, u: DVec2) -> BsdfSample {
+    pub(super) fn choose_direction(&self, s: &Surface, lobe: f64, u: DVec2) -> BsdfSample {
         match self.hemisphere {
             Some(how) => sample_hemisphere(&s.material, s.wo, how, u),
             None => sample_bsdf(&s.material, s.wo, lobe, u),
@@ -305,81 +302,6 @@ impl<'a> Direct<'a> {
         sample.path.shadow.clear += 1;
         sample.conditions.add_light(wi.z, light.cos_light);
         contribution
-    }
-
-    /// L_i f_r cosθ / p(ω_i), where ω_i is chosen in proportion to the BSDF.
-    fn estimate_by_bsdf(
-        &self,
-        s: &Surface,
-        [lobe, x, y]: [u32; 3],
-        crossings: Crossings,
-        sample: &mut Sample,
-    ) -> DVec3 {
-        let u = to_unit_2d(x, y);
-        let chosen = self.choose_direction(s, to_unit(lobe), u);
-        let ray = Ray {
-            origin: s.origin,
-            direction: to_world(&s.frame, BrokenTwin::direction(self.broken, chosen.wi)),
-        };
-        if chosen.weight.max_element() <= 0.0 || !is_above(s, ray.direction) {
-            return DVec3::ZERO;
-        }
-        let wi = BrokenTwin::direction(self.broken, chosen.wi);
-        sample.conditions.bsdf_cos_surface = wi.z;
-        let one = BrokenTwin::density(self.broken, PdfSolidAngle(1.0));
-        let weight = BrokenTwin::f_cos(self.broken, chosen.weight, wi.z) / one.0;
-        let pdf_bsdf = BrokenTwin::density(self.broken, chosen.pdf);
-        let (radiance, pdf_light) = self.light_in_direction(s, &ray, crossings, sample);
-        let mut contribution = radiance * weight;
-        if self.sample_lights {
-            let pdf_light = BrokenTwin::density(self.broken, pdf_light);
-            let rays = BrokenTwin::rays(self.broken, self.shadow_rays.rays());
-            let weight = self.mis_weight(pdf_bsdf, of_samples(rays, pdf_light));
-            contribution *= BrokenTwin::weight(self.broken, weight);
-        }
-        contribution
-    }
-
-    /// Radiance along `ray`, and the density with which light sampling from `s` would have chosen its direction.
-    fn light_in_direction(
-        &self,
-        s: &Surface,
-        ray: &Ray,
-        crossings: Crossings,
-        sample: &mut Sample,
-    ) -> (DVec3, PdfSolidAngle) {
-        let world = &self.world;
-        let dark = (DVec3::ZERO, PdfSolidAngle(0.0));
-        let Some(hit) = closest_hit(world, ray, crossings) else {
-            sample.path.bsdf = BsdfRay::Missed;
-            if world.prepared.scene.environment.is_none() {
-                return dark;
-            }
-            sample.conditions.cell_margin = environment_cell_margin(world, ray.direction);
-            let (choice, on_image, pdf) = pdf_environment(world, ray.direction);
-            return (
-                environment_radiance(world, ray.direction),
-                BrokenTwin::measure(self.broken, choice, on_image, pdf),
-            );
-        };
-        sample.path.bsdf = BsdfRay::Hit(hit.primitive);
-        let y = surface_at(world, ray, &hit, -ray.direction);
-        let Some(light) = y.light else {
-            return dark;
-        };
-        sample.conditions.bsdf_cos_light = y.cos_o;
-        if let PrimitiveGeometry::Sphere { radius, .. } =
-            world.primitives[hit.primitive as usize].geometry
-        {
-            sample.conditions.bsdf_light_curvature = hit.t / radius;
-        }
-        let place = (s.position, &s.frame);
-        let (choice, on_light) = pdf_light_area(world, light, place);
-        let pdf = pdf_area_light(world, light, place, ray.direction, hit.t * hit.t, y.cos_o);
-        (
-            emitted_radiance(world, light, y.front),
-            BrokenTwin::measure(self.broken, choice, Some(on_light), pdf),
-        )
     }
 }
 

@@ -1,5 +1,6 @@
 //! `shaders/kernel/` in f64.
 
+mod bsdf_rays;
 pub mod camera;
 pub mod camera_path;
 pub mod direct;

@@ -56,7 +56,8 @@ pub struct Conditions {
     pub spread: f64,
     /// Angle by which rounding its vertices to f32 turns the surface's normal.
     pub normal_rounding: f64,
-    /// Angle between the BSDF-sampled direction and the edge of its cell in the environment's sampling grid.
+    /// Angle between the BSDF-sampled direction and the edge of its cell in the sampling grid of the environment, or of the
+    /// textured light that it met.
     pub cell_margin: f64,
     /// Least distance of a random word from where a decision of the light tree changes, relative to the words it is one of.
     pub choice_margin: f64,

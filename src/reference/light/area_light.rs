@@ -1,6 +1,7 @@
 //! Sampling of lights with a surface: uniformly over its area, or over the solid angle in which a point sees it.
 
 use super::disk::{pdf_disk_area, sample_disk_area};
+use super::emission::{emission_factor, emission_map, invert_light_area, pdf_emission};
 use super::polygon::{ProjectedPolygon, project_polygon, sample_projected_polygon};
 use super::rectangle::{
     pdf_rectangle_area, sample_parallelogram_solid_angle, sample_rectangle_area,
@@ -17,7 +18,7 @@ use super::triangle::{
 };
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
-use crate::emitters::{Emitter, Selection};
+use crate::emitters::{EmissionMap, Emitter, Selection};
 use crate::reference::bsdf::lambert::{pdf_lambert, sample_lambert};
 use crate::reference::core::frame::{ShadingFrame, to_local, to_world};
 use crate::reference::core::math::max_abs;
@@ -89,6 +90,7 @@ pub fn area_light(world: &World<'_>, index: u32) -> AreaLight {
         primitive,
         radiance,
         two_sided,
+        ..
     } = prepared.emitters.lights[index as usize]
     else {
         unreachable!("only lights with a surface are asked for");
@@ -315,6 +317,44 @@ pub fn sample_area_light(
             (point, wi, None)
         }
     };
+    light_sample(light, choice, (x, wi), point, (pdf, on_light))
+}
+
+/// A sample of a planar light whose emission varies by `map`, at a point of the unit square with its density there.
+pub fn sample_textured_light(
+    world: &World<'_>,
+    light: &AreaLight,
+    map: &EmissionMap,
+    choice: PdfDiscrete,
+    x: DVec3,
+    (u, on_square): (DVec2, PdfArea),
+) -> LightSample {
+    let (point, uniform) = sample_area(&light.geometry, u);
+    let Some(wi) = (point.position - x).try_normalize() else {
+        return no_light();
+    };
+    let st = match light.geometry {
+        PrimitiveGeometry::Triangle { .. } => sample_triangle_area(u),
+        PrimitiveGeometry::Disk { .. } => sample_disk_area(u),
+        _ => sample_rectangle_area(u),
+    };
+    let here = AreaLight {
+        radiance: light.radiance * emission_factor(world, map, st),
+        ..*light
+    };
+    let on_light = PdfArea(on_square.0 * uniform.0);
+    light_sample(&here, choice, (x, wi), point, (None, on_light))
+}
+
+/// A sample of the point `point` of a light, which lies in the unit direction `wi` from `x`: chosen with the density `pdf`,
+/// else with `on_light` by area.
+fn light_sample(
+    light: &AreaLight,
+    choice: PdfDiscrete,
+    (x, wi): (DVec3, DVec3),
+    point: LightPoint,
+    (pdf, on_light): (Option<PdfSolidAngle>, PdfArea),
+) -> LightSample {
     let signed_cos = -point.normal.dot(wi);
     let cos_light = if light.two_sided {
         signed_cos.abs()
@@ -330,12 +370,11 @@ pub fn sample_area_light(
         -point.normal
     };
     let d2 = (point.position - x).length_squared();
-    let pdf = pdf.unwrap_or_else(|| area_to_solid_angle(on_light, d2, cos_light));
-    let radiance_over_pdf = if direction.is_some() {
-        light.radiance / (pdf.0 * choice.0)
-    } else {
-        light.radiance * cos_light / (d2 * on_light.0 * choice.0)
+    let radiance_over_pdf = match pdf {
+        Some(pdf) => light.radiance / (pdf.0 * choice.0),
+        None => light.radiance * cos_light / (d2 * on_light.0 * choice.0),
     };
+    let pdf = pdf.unwrap_or_else(|| area_to_solid_angle(on_light, d2, cos_light));
     LightSample {
         wi,
         target_point: point.position + towards_x * (point.extent * OFFSET),
@@ -356,27 +395,38 @@ pub fn pdf_light(world: &World<'_>, light: u32, x: DVec3, normal: DVec3) -> PdfD
     }
 }
 
-/// That probability for a surface with the frame `frame`, and the density of a uniform point on the light.
+/// That probability for a surface with the frame `frame`, and the density at the light's coordinates `st` of a point chosen
+/// by its area, in proportion to its emission.
 pub fn pdf_light_area(
     world: &World<'_>,
     light: u32,
     (x, frame): (DVec3, &ShadingFrame),
+    st: DVec2,
 ) -> (PdfDiscrete, PdfArea) {
-    let area = area_light(world, light).geometry.area();
-    (pdf_light(world, light, x, frame.z), PdfArea(1.0 / area))
+    let geometry = area_light(world, light).geometry;
+    let on_square = match emission_map(world, light) {
+        Some(map) => pdf_emission(map, invert_light_area(&geometry, st)),
+        None => PdfArea(1.0),
+    };
+    let on_light = PdfArea(on_square.0 / geometry.area());
+    (pdf_light(world, light, x, frame.z), on_light)
 }
 
 /// Density with which light sampling from `x`, on a surface with the frame `frame`, would have chosen the direction `wi`
-/// in which a ray met a light's surface, light selection included: `distance_squared` away, at cosine `cos_light` > 0.
+/// in which a ray met a light's surface at its coordinates `st`, light selection included: `distance_squared` away, at
+/// cosine `cos_light` > 0.
 pub fn pdf_area_light(
     world: &World<'_>,
     light: u32,
     (x, frame): (DVec3, &ShadingFrame),
     wi: DVec3,
-    distance_squared: f64,
-    cos_light: f64,
+    (distance_squared, cos_light, st): (f64, f64, DVec2),
 ) -> PdfSolidAngle {
-    let (selection, on_light) = pdf_light_area(world, light, (x, frame));
+    let (selection, on_light) = pdf_light_area(world, light, (x, frame), st);
+    if emission_map(world, light).is_some() {
+        let pdf = area_to_solid_angle(on_light, distance_squared, cos_light);
+        return chosen(selection, pdf);
+    }
     let light = area_light(world, light);
     if let Some(polygon) = projected(&light, x, frame) {
         return chosen(

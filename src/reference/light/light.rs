@@ -1,13 +1,17 @@
 //! Light sampling: choose a light, then a direction towards it.
 
 use super::alias_table::{Choice, alias_choice};
-use super::area_light::{LightSample, area_light, no_light, sample_area_light};
+use super::area_light::{
+    LightSample, area_light, no_light, sample_area_light, sample_textured_light,
+};
+use super::emission::{emission_factor, emission_map, sample_emission};
 use super::environment::{
     bilinear_texels, map_from_direction, pdf_environment_cell, sample_environment_cell,
 };
-use super::sphere::sample_sphere_area;
+use super::sphere::{pdf_cone, sample_cone, sample_sphere_area};
 use super::spot::spot_falloff;
-use crate::emitters::Emitter;
+use super::sun::suns_radiance;
+use crate::emitters::{Emitter, Sun};
 use crate::reference::core::frame::ShadingFrame;
 use crate::reference::core::pdf::{PdfArea, PdfDiscrete, PdfSolidAngle, chosen};
 use crate::reference::scene::fetch::World;
@@ -29,7 +33,7 @@ pub fn choose_light(world: &World<'_>, u: u32) -> Option<Choice> {
 pub fn own_samples(world: &World<'_>, light: u32, rays: u32) -> u32 {
     match world.prepared.emitters.lights[light as usize] {
         Emitter::Delta(_) => 1,
-        Emitter::Area { .. } | Emitter::Environment => rays,
+        Emitter::Area { .. } | Emitter::Sun(_) | Emitter::Environment => rays,
     }
 }
 
@@ -77,7 +81,28 @@ fn delta_light_sample(light: &Light, choice: PdfDiscrete, x: DVec3) -> LightSamp
             cos_light: 1.0,
             delta: true,
         },
+        Light::Sun { .. } => unreachable!("suns are emitters of their own"),
     }
+}
+
+/// A direction into a sun, uniform over its solid angle.
+pub fn sample_sun(sun: &Sun, choice: PdfDiscrete, x: DVec3, u: DVec2) -> LightSample {
+    let (wi, _) = sample_cone(sun.towards, sun.height, u);
+    let pdf = chosen(choice, pdf_cone(sun.height));
+    LightSample {
+        wi,
+        target_point: x + wi * FAR,
+        radiance_over_pdf: sun.radiance / pdf.0,
+        pdf,
+        pdf_on_light: None,
+        cos_light: 1.0,
+        delta: false,
+    }
+}
+
+/// Radiance that arrives from infinitely far in the unit direction `direction`.
+pub fn distant_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
+    environment_radiance(world, direction) + suns_radiance(world, direction)
 }
 
 /// A sample of the chosen light from `x`, on a surface with the frame `frame`. `u` is the point on the light, `texel` a
@@ -92,21 +117,33 @@ pub fn sample_chosen_light(
     let probability = choice.probability;
     match &world.prepared.emitters.lights[choice.index as usize] {
         Emitter::Area { .. } => {
-            sample_area_light(&area_light(world, choice.index), probability, x, frame, u)
+            let light = area_light(world, choice.index);
+            match emission_map(world, choice.index) {
+                Some(map) => {
+                    let (u, on_square) = sample_emission(map, u, texel);
+                    sample_textured_light(world, &light, map, probability, x, (u, on_square))
+                }
+                None => sample_area_light(&light, probability, x, frame, u),
+            }
         }
         Emitter::Delta(light) => delta_light_sample(light, probability, x),
+        Emitter::Sun(sun) => sample_sun(sun, probability, x, u),
         Emitter::Environment => sample_environment(world, probability, x, u, texel),
     }
 }
 
-/// Radiance that the surface of a light emits towards a viewer on its front or back.
-pub fn emitted_radiance(world: &World<'_>, light: u32, front: bool) -> DVec3 {
+/// Radiance that the surface of a light emits at its coordinates `st` towards a viewer on its front or back.
+pub fn emitted_radiance(world: &World<'_>, light: u32, front: bool, st: DVec2) -> DVec3 {
+    let factor = match emission_map(world, light) {
+        Some(map) => emission_factor(world, map, st),
+        None => DVec3::ONE,
+    };
     match world.prepared.emitters.lights[light as usize] {
         Emitter::Area {
             radiance,
             two_sided,
             ..
-        } if front || two_sided => radiance,
+        } if front || two_sided => radiance * factor,
         _ => DVec3::ZERO,
     }
 }

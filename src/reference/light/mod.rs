@@ -7,6 +7,7 @@
 pub mod alias_table;
 pub mod area_light;
 pub mod disk;
+pub mod emission;
 pub mod environment;
 pub mod light;
 pub mod opacity;
@@ -14,5 +15,6 @@ pub mod polygon;
 pub mod rectangle;
 pub mod sphere;
 pub mod spot;
+pub mod sun;
 pub mod tree;
 pub mod triangle;

@@ -2,19 +2,11 @@
 //! uniform over the solid angle in which a point sees them.
 
 use crate::reference::core::pdf::{PdfArea, PdfSolidAngle};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
-/// Area-preserving map from the square to the triangle (Heitz 2019, "A Low-Distortion Map Between Triangle and
-/// Square").
-pub fn sample_triangle_area(u: DVec2) -> DVec2 {
-    if u.y > u.x {
-        let s = 0.5 * u.x;
-        DVec2::new(s, u.y - s)
-    } else {
-        let t = 0.5 * u.y;
-        DVec2::new(u.x - t, t)
-    }
-}
+pub use crate::emitters::area_map::{
+    square_to_triangle as sample_triangle_area, triangle_to_square as invert_triangle_area,
+};
 
 /// Density of [`sample_triangle_area`] on a triangle of area `area`.
 pub fn pdf_triangle_area(area: f64) -> PdfArea {

@@ -52,6 +52,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, Error> {
     };
     validate::validate(&scene)?;
     texture::fold_constant(&mut scene.materials, &scene.textures);
+    texture::fold_constant_emission(&mut scene.shapes, &scene.textures);
     let mut warnings = general_warnings(&scene);
     scene.warnings.append(&mut warnings);
     for warning in &mut scene.warnings {

@@ -3,7 +3,7 @@
 use super::exr;
 use super::image::unreadable;
 use crate::error::InputError;
-use crate::scene::{Material, Texels, Texture, TextureId, TextureUse};
+use crate::scene::{Material, Shape, Texels, Texture, TextureId, TextureUse};
 use glam::DVec3;
 use half::f16;
 use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits};
@@ -251,6 +251,18 @@ pub(super) fn fold_constant(materials: &mut [Material], textures: &[Texture]) {
         let opacity = &mut material.opacity;
         let alphas = |t: TextureUse| textures[t.texture.index()].alpha_range();
         *opacity = opacity.folded(opacity.texture.map_or([1.0; 2], alphas));
+    }
+}
+
+/// The same for what shapes emit: a texture of one value becomes a factor on the radiance.
+pub(super) fn fold_constant_emission(shapes: &mut [Shape], textures: &[Texture]) {
+    let emissions = shapes.iter_mut().filter_map(|s| s.emission.as_mut());
+    for emission in emissions {
+        let texture = emission.texture.map(|u| &textures[u.texture.index()]);
+        if let Some(value) = texture.and_then(Texture::constant) {
+            emission.radiance *= value;
+            emission.texture = None;
+        }
     }
 }
 

@@ -69,7 +69,7 @@ fn solid_angle_samples_are_the_twins() {
                let cos_light = abs(dot(normalize(cross(light.u, light.v)), s.wi));
                out_vec3f(0u, s.wi);
                out_f32(3u, s.pdf.value);
-               out_f32(4u, pdf_area_light(in_u32(0u), x, facing, s.wi, dot(d, d), cos_light).value);",
+               out_f32(4u, pdf_area_light(in_u32(0u), x, facing, s.wi, dot(d, d), cos_light, vec2f(0.0)).value);",
         inputs: 6,
         outputs: 5,
         features: &[],
@@ -158,7 +158,7 @@ fn samples_from_within_a_sphere_are_the_twins() {
                let s = sample_area_light(fetch_light(0u), PdfDiscrete(1.0), in_vec3f(0u), frame, in_vec2f(6u));
                out_vec3f(0u, s.wi);
                out_f32(3u, s.pdf.value);
-               out_f32(4u, pdf_area_light(0u, in_vec3f(0u), frame, s.wi, 1.0, 1.0).value);",
+               out_f32(4u, pdf_area_light(0u, in_vec3f(0u), frame, s.wi, 1.0, 1.0, vec2f(0.0)).value);",
         inputs: 8,
         outputs: 5,
         features: &[],

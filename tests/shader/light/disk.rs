@@ -5,9 +5,9 @@ use crate::support::rounding::{U, assert_integrates_to_one, assert_near};
 use crate::support::shader::{Function, call, draw, words};
 use crate::support::{context, edge_points, histogram, statistics};
 use direkt::reference::BrokenTwin;
-use direkt::reference::light::disk::{pdf_disk_area, sample_disk_area};
+use direkt::reference::light::disk::{invert_disk_area as invert, pdf_disk_area, sample_disk_area};
 use glam::DVec2;
-use std::f64::consts::{FRAC_PI_4, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 const SAMPLE: Function<'_> = Function {
     imports: "import package::light::disk::sample_disk_area;",
@@ -36,26 +36,6 @@ fn disk_area_samples_are_the_twins() {
     }
 }
 
-/// Where the map has its wedge and how far out, from the point alone: the inverse of the concentric map.
-fn invert(p: DVec2) -> DVec2 {
-    let r = p.length();
-    let wide = p.x.abs() > p.y.abs();
-    // The square's coordinate along the wedge's axis is ±r; across it the angle from that axis, in units of π/4.
-    let (along, across) = if wide { (p.x, p.y) } else { (p.y, p.x) };
-    let along = r.copysign(along);
-    let across = if r > 0.0 {
-        (across / r).asin() / FRAC_PI_4 * r
-    } else {
-        0.0
-    };
-    let square = if wide {
-        DVec2::new(along, across)
-    } else {
-        DVec2::new(across, along)
-    };
-    0.5 * (square + DVec2::ONE)
-}
-
 /// The map stretches by 4/π at most, times ½ of the square's scale, and the samples are off by 4e-7; where two wedges
 /// meet, the inverse is continuous.
 #[test]
@@ -67,6 +47,19 @@ fn disk_area_samples_can_be_inverted() {
     for (u, p) in points.iter().zip(answers.vec2(0)) {
         let back = invert(p);
         assert!((back - *u).length() < 8e-7, "{u} comes back as {back}");
+    }
+    let inverse = Function {
+        imports: "import package::light::disk::invert_disk_area;",
+        body: "out_vec2f(0u, invert_disk_area(in_vec2f(0u)));",
+        ..SAMPLE
+    };
+    let on_disk: Vec<f64> = answers.vec2(0).flat_map(|p| p.to_array()).collect();
+    let inverted = call(&context, &inverse, &words(&on_disk));
+    for (u, back) in points.iter().zip(inverted.vec2(0)) {
+        assert!(
+            (back - *u).length() < 1.2e-6,
+            "{u} comes back as {back} on the GPU"
+        );
     }
 }
 

@@ -7,6 +7,7 @@
 mod alias_table;
 mod area_light;
 mod disk;
+mod emission;
 mod environment;
 mod light;
 mod opacity;
@@ -15,5 +16,6 @@ mod rectangle;
 mod seen;
 mod sphere;
 mod spot;
+mod sun;
 mod tree;
 mod triangle;

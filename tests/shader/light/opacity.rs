@@ -68,6 +68,7 @@ fn lights() -> Scene {
     for shape in &mut scene.shapes {
         shape.emission = Some(Emission {
             radiance: DVec3::ONE,
+            texture: None,
             two_sided: false,
         });
     }

@@ -7,17 +7,10 @@ use crate::support::rounding::{U, assert_integrates_to_one, assert_near};
 use crate::support::shader::{Function, call, draw, words};
 use crate::support::{context, edge_points, histogram, statistics};
 use direkt::reference::BrokenTwin;
-use direkt::reference::light::triangle::{pdf_triangle_area, sample_triangle_area};
+use direkt::reference::light::triangle::{
+    invert_triangle_area as invert, pdf_triangle_area, sample_triangle_area,
+};
 use glam::DVec2;
-
-/// Where (s, t) comes from: the inverse of Heitz's map.
-fn invert(p: DVec2) -> DVec2 {
-    if p.y > p.x {
-        DVec2::new(2.0 * p.x, p.x + p.y)
-    } else {
-        DVec2::new(p.x + p.y, 2.0 * p.y)
-    }
-}
 
 /// Halving is exact; the difference of two numbers below 1 is rounded once.
 #[test]
@@ -26,14 +19,16 @@ fn triangle_area_samples_are_the_twins() {
     let points = edge_points();
     let inputs: Vec<f64> = points.iter().flat_map(|u| u.to_array()).collect();
     let function = Function {
-        imports: "import package::light::triangle::sample_triangle_area;",
-        body: "out_vec2f(0u, sample_triangle_area(in_vec2f(0u)));",
+        imports: "import package::light::triangle::{invert_triangle_area, sample_triangle_area};",
+        body: "let st = sample_triangle_area(in_vec2f(0u));
+               out_vec2f(0u, st);
+               out_vec2f(2u, invert_triangle_area(st));",
         inputs: 2,
-        outputs: 2,
+        outputs: 4,
         features: &[],
     };
     let answers = call(&context, &function, &words(&inputs));
-    for (u, p) in points.iter().zip(answers.vec2(0)) {
+    for ((u, p), inverse) in points.iter().zip(answers.vec2(0)).zip(answers.vec2(2)) {
         let expected = sample_triangle_area(*u);
         assert!(
             (p - expected).abs().max_element() <= U,
@@ -42,11 +37,12 @@ fn triangle_area_samples_are_the_twins() {
         );
         let inside = p.min_element() >= 0.0 && p.x + p.y <= 1.0;
         assert!(inside, "{u} leaves the triangle");
-        let back = invert(p);
-        assert!(
-            (back - *u).abs().max_element() <= U,
-            "{u} comes back as {back}"
-        );
+        for back in [invert(p), inverse] {
+            assert!(
+                (back - *u).abs().max_element() <= U,
+                "{u} comes back as {back}"
+            );
+        }
     }
 }
 

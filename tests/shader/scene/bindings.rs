@@ -141,6 +141,7 @@ fn buffers_are_as_large_as_is_told() {
             environment,
             attributes,
             textures,
+            emission_cells,
         } = SceneBuffers::new(&context, &prepared).unwrap();
         let EnvironmentBuffers {
             alias,
@@ -160,6 +161,7 @@ fn buffers_are_as_large_as_is_told() {
             ("scene.attributes", attributes.bytes()),
             ("scene.color_textures", 4),
             ("scene.data_textures", 4),
+            ("scene.emission_cells", emission_cells.bytes()),
             ("scene.environment_alias", alias.bytes()),
             (
                 "scene.environment",

@@ -188,6 +188,7 @@ fn lights_come_back() {
                 primitive,
                 radiance,
                 two_sided,
+                map: _,
             } => {
                 let geometry = prepared.primitives[primitive as usize].geometry;
                 let (kind, [a, u, v]) = match geometry {
@@ -228,6 +229,13 @@ fn lights_come_back() {
                 false,
                 0.0,
                 [-direction, zero, zero, irradiance],
+            ),
+            Emitter::Delta(Light::Sun { .. }) => unreachable!("suns are emitters of their own"),
+            Emitter::Sun(sun) => (
+                LIGHT_DIRECTIONAL,
+                false,
+                0.0,
+                [sun.towards, zero, along_x(sun.height), sun.radiance],
             ),
             Emitter::Environment => (LIGHT_ENVIRONMENT, false, 0.0, [zero; 4]),
         };

@@ -110,7 +110,11 @@ impl<'a> Materials<'a> {
             textures,
             opacity,
         };
-        let emission = emission(document, json, &name)?;
+        let mut emission = emission(document, json, &name)?;
+        if let (Some(emission), Some(named)) = (&mut emission, Named::of_emission(json)) {
+            let read = texture_use(document, &named, &name, Meaning::Color, &mut self.textures)?;
+            emission.texture = Some(read);
+        }
         Ok((material, emission))
     }
 
@@ -275,6 +279,7 @@ fn emission(
     let radiance = factor * strength;
     Ok((radiance.max_element() > 0.0).then_some(Emission {
         radiance,
+        texture: None,
         two_sided: json.double_sided,
     }))
 }

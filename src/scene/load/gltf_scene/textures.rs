@@ -44,7 +44,23 @@ impl Named {
         Self::new(slot, info.index.value(), info.tex_coord, transform)
     }
 
-    /// Those of `material` that are read: colour, metallic and roughness, normal map.
+    /// The texture of what `material` emits, where it emits.
+    pub(super) fn of_emission(material: &json::Material) -> Option<Self> {
+        let emits = material.emissive_factor.0.iter().any(|&c| c > 0.0);
+        let texture = material.emissive_texture.as_ref().filter(|_| emits);
+        texture.map(|i| Self::of_info("emissiveTexture", i))
+    }
+
+    /// All that are read.
+    pub(super) fn all(material: &json::Material) -> impl Iterator<Item = Self> {
+        let emission = Self::of_emission(material);
+        Self::of_material(material)
+            .into_iter()
+            .chain([emission])
+            .flatten()
+    }
+
+    /// Those of how `material` scatters: colour, metallic and roughness, normal map.
     pub(super) fn of_material(material: &json::Material) -> [Option<Self>; 3] {
         let pbr = &material.pbr_metallic_roughness;
         let color = pbr.base_color_texture.as_ref();
@@ -64,8 +80,7 @@ impl Named {
 
     /// Index of the texture coordinates that the textures of `material` are read with: a mesh carries one.
     pub(super) fn coordinates_of(material: &json::Material) -> u32 {
-        let mut named = Self::of_material(material).into_iter().flatten();
-        named.next().map_or(0, |n| n.coordinates)
+        Self::all(material).next().map_or(0, |n| n.coordinates)
     }
 }
 

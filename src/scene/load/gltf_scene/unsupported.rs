@@ -117,8 +117,7 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
 fn named_textures(document: &Document, primitive: &Primitive) -> impl Iterator<Item = Named> {
     let index = primitive.material.map(|m| m.value());
     let material = index.and_then(|i| document.root.materials.get(i));
-    let named = material.map(Named::of_material);
-    named.into_iter().flatten().flatten()
+    material.into_iter().flat_map(Named::all)
 }
 
 fn is_textured(document: &Document, primitive: &Primitive) -> bool {
@@ -143,32 +142,17 @@ fn primitives<'a>(
 }
 
 fn material_warnings(document: &Document, materials: &Materials, warnings: &mut Vec<String>) {
-    type Uses = fn(&Material) -> bool;
-    let textures: [(&str, Uses); 2] = [
-        ("occlusionTexture", |m| m.occlusion_texture.is_some()),
-        ("emissiveTexture", |m| m.emissive_texture.is_some()),
-    ];
     let file = document.file_name();
     let used: Vec<&json::Material> = materials
         .used_indices()
         .filter_map(|i| document.root.materials.get(i))
         .collect();
-    for (texture, uses) in textures {
-        let count = used.iter().filter(|m| uses(m)).count();
-        if count == 0 {
-            continue;
-        }
-        let (of, factors) = if count == 1 {
-            ("1 material".to_owned(), "its")
-        } else {
-            (format!("{count} materials"), "their")
-        };
-        let consequence = match texture {
-            "occlusionTexture" => "shadow rays are traced instead".to_owned(),
-            _ => format!("{factors} factors are used"),
-        };
+    let occluded = used.iter().filter(|m| m.occlusion_texture.is_some());
+    let count = occluded.count();
+    if count > 0 {
+        let s = if count == 1 { "" } else { "s" };
         warnings.push(format!(
-            "{file}: {texture} of {of} is ignored, {consequence}"
+            "{file}: occlusionTexture of {count} material{s} is ignored, shadow rays are traced instead"
         ));
     }
 }

@@ -61,9 +61,9 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         materials.push(material);
         context.material_ids.insert(name, id);
     }
+    let mut shapes = shapes::all(&mut context, file.shapes, &mut materials, &mut textures)?;
     let (mut textures, mut of_textures) = textures.into_parts();
     context.warnings.append(&mut of_textures);
-    let mut shapes = shapes::all(&mut context, file.shapes, &mut materials)?;
     let mut lights = lights::all(&context, &file.lights)?;
     let environment = file
         .environment

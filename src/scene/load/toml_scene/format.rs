@@ -205,6 +205,9 @@ pub(super) struct DirectionalTable {
     pub(super) direction: [f64; 3],
     /// Irradiance on a surface that faces it, not negative.
     pub(super) irradiance: Rgb,
+    /// The angle in degrees under which it is seen, 0.001 to 180: a disk in the sky (the sun: 0.53); 0 is a point.
+    #[serde(default)]
+    pub(super) angular_diameter: f64,
 }
 
 /// Light from everywhere: `radiance` or `file`.

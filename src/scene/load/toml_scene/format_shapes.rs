@@ -1,6 +1,7 @@
 //! The types of a scene file's shapes and transforms. Their doc comments are descriptions in the JSON Schema.
 
 use super::format::Rgb;
+use super::format_textures::TextureTable;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -110,6 +111,8 @@ pub(super) struct MeshTable {
 pub(super) struct EmissionTable {
     /// Radiance, not negative.
     pub(super) radiance: Rgb,
+    /// Factor on it that varies over the surface; 8 and 16 bits are sRGB, floats linear.
+    pub(super) texture: Option<TextureTable>,
     /// Whether the back emits as well.
     #[serde(default)]
     pub(super) two_sided: bool,

@@ -1,7 +1,7 @@
 //! Lights without a surface, and the environment.
 
 use super::build::{Context, direction};
-use super::format::{EnvironmentTable, LightKind, LightTable, SpotTable};
+use super::format::{DirectionalTable, EnvironmentTable, LightKind, LightTable, SpotTable};
 use crate::error::InputError;
 use crate::scene::load::image;
 use crate::scene::{Environment, EnvironmentRadiance, Light};
@@ -23,11 +23,28 @@ fn light(context: &Context, table: &LightTable, field: &str) -> Result<Light, In
             intensity: DVec3::from_array(t.intensity.0),
         }),
         LightKind::Spot(t) => spot(context, t, field),
-        LightKind::Directional(t) => Ok(Light::Directional {
-            direction: direction(context, t.direction, &format!("{field}.direction"))?,
-            irradiance: DVec3::from_array(t.irradiance.0),
-        }),
+        LightKind::Directional(t) => directional(context, t, field),
     }
+}
+
+fn directional(
+    context: &Context,
+    table: &DirectionalTable,
+    field: &str,
+) -> Result<Light, InputError> {
+    let direction = direction(context, table.direction, &format!("{field}.direction"))?;
+    let irradiance = DVec3::from_array(table.irradiance.0);
+    if table.angular_diameter == 0.0 {
+        return Ok(Light::Directional {
+            direction,
+            irradiance,
+        });
+    }
+    Ok(Light::Sun {
+        direction,
+        irradiance,
+        angular_radius: 0.5 * table.angular_diameter.to_radians(),
+    })
 }
 
 fn spot(context: &Context, table: &SpotTable, field: &str) -> Result<Light, InputError> {

@@ -1,9 +1,13 @@
 //! The `[[shapes]]` tables.
 
 use super::build::{Context, direction, placement};
-use super::format_shapes::{BoxTable, MeshTable, RectangleTable, ShapeKind, ShapeTable};
+use super::format_shapes::{
+    BoxTable, EmissionTable, MeshTable, RectangleTable, ShapeKind, ShapeTable,
+};
+use super::textures::texture_use;
 use crate::error::InputError;
 use crate::scene::load::mesh;
+use crate::scene::load::texture::{Meaning, Textures};
 use crate::scene::load::transform;
 use crate::scene::{
     Bsdf, Emission, Geometry, Material, MaterialId, MaterialTextures, Opacity, Shape,
@@ -18,6 +22,7 @@ pub(super) fn all(
     context: &mut Context,
     tables: Vec<ShapeTable>,
     materials: &mut Vec<Material>,
+    textures: &mut Textures,
 ) -> Result<Vec<Shape>, InputError> {
     let mut default_material = None;
     let mut shapes = Vec::new();
@@ -27,10 +32,11 @@ pub(super) fn all(
             Some(name) => named_material(context, name, &field)?,
             None => *default_material.get_or_insert_with(|| add_default(materials)),
         };
-        let emission = table.emission.as_ref().map(|e| Emission {
-            radiance: DVec3::from_array(e.radiance.0),
-            two_sided: e.two_sided,
-        });
+        let emission = table
+            .emission
+            .as_ref()
+            .map(|e| emission(context, e, &field, textures))
+            .transpose()?;
         let to_world = placement(context, &table.transform, &field)?;
         let name = match &table.name {
             Some(name) => format!("{field}: {name}"),
@@ -45,6 +51,9 @@ pub(super) fn all(
             if let Geometry::Mesh(mesh) = &mut geometry {
                 dropped += mesh::clean(mesh);
             }
+            if emission.is_some_and(|e| e.texture.is_some()) {
+                check_coordinates(context, &geometry, &field)?;
+            }
             shapes.push(Shape {
                 name: format!("{name}{part}"),
                 geometry,
@@ -57,6 +66,45 @@ pub(super) fn all(
         }
     }
     Ok(shapes)
+}
+
+fn emission(
+    context: &Context,
+    table: &EmissionTable,
+    field: &str,
+    textures: &mut Textures,
+) -> Result<Emission, InputError> {
+    let texture = match &table.texture {
+        None => None,
+        Some(texture) => {
+            let field = format!("{field}.emission.texture");
+            let read = texture_use(context, texture, &field, Meaning::Color, textures)?;
+            Some(read)
+        }
+    };
+    Ok(Emission {
+        radiance: DVec3::from_array(table.radiance.0),
+        texture,
+        two_sided: table.two_sided,
+    })
+}
+
+/// Whether a texture can be laid over `geometry`.
+fn check_coordinates(
+    context: &Context,
+    geometry: &Geometry,
+    field: &str,
+) -> Result<(), InputError> {
+    let problem = match geometry {
+        Geometry::Sphere { .. } => "a sphere has no texture coordinates",
+        Geometry::Mesh(mesh) if mesh.uvs.is_empty() => "the mesh has no texture coordinates",
+        _ => return Ok(()),
+    };
+    Err(context.error(
+        format!("{field}.emission.texture"),
+        problem,
+        "a rectangle, a disk, a box or a mesh with texture coordinates",
+    ))
 }
 
 fn named_material(context: &Context, name: &str, field: &str) -> Result<MaterialId, InputError> {

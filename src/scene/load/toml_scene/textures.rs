@@ -59,7 +59,8 @@ pub(super) fn opacity(
     })
 }
 
-fn texture_use(
+/// The texture that the table `field` names, read.
+pub(super) fn texture_use(
     context: &Context,
     table: &TextureTable,
     field: &str,

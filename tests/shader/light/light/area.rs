@@ -168,7 +168,8 @@ fn directions_match_pdf(prepared: &Prepared) -> usize {
                 let wi = towards(geometry, x, p);
                 let hit = on_light(geometry, x, wi);
                 let from = (x, &facing_z());
-                let pdf = pdf_area_light(&world, index, from, wi, hit.d2, hit.cos).0 / selection;
+                let pdf = pdf_area_light(&world, index, from, wi, (hit.d2, hit.cos, DVec2::ZERO)).0
+                    / selection;
                 all * pdf * hit.solid_angle() * hit.cos.powf(cosines)
             };
             let what = format!(

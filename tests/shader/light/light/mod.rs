@@ -17,7 +17,7 @@ use direkt::render::Prepared;
 use direkt::scene::{
     Environment, EnvironmentRadiance, Light, LightSampling, LightSelection, Strategy,
 };
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
 mod area;
@@ -67,9 +67,9 @@ fn place(prepared: &Prepared, light: &Emitter) -> (DVec3, DVec3, f64) {
             direction,
             ..
         }) => (position, direction, 0.2),
-        Emitter::Delta(Light::Directional { .. }) | Emitter::Environment => {
-            (DVec3::ZERO, DVec3::Z, 0.2)
-        }
+        Emitter::Delta(Light::Directional { .. } | Light::Sun { .. })
+        | Emitter::Sun(_)
+        | Emitter::Environment => (DVec3::ZERO, DVec3::Z, 0.2),
     }
 }
 
@@ -98,7 +98,7 @@ fn errors(prepared: &Prepared, light: &Emitter, x: DVec3, s: &LightSample) -> (f
             }
             PrimitiveGeometry::Sphere { center, radius } => (center.length() + radius, 16.0 * U),
         },
-        Emitter::Delta(_) => (1.0, 0.0),
+        Emitter::Delta(_) | Emitter::Sun(_) => (1.0, 0.0),
         // Near the poles r = √((1 − y)(1 + y)) amplifies the rounding of y, to q = 8 roundings of 1 − y².
         Emitter::Environment => {
             let to_map = prepared
@@ -177,7 +177,7 @@ fn surfaces_emit_on_their_front_and_where_two_sided_on_their_back() {
     let world = World::new(&prepared);
     let function = Function {
         imports: IMPORTS,
-        body: "out_vec3f(0u, emitted_radiance(in_u32(0u), in_u32(1u) == 1u));",
+        body: "out_vec3f(0u, emitted_radiance(in_u32(0u), in_u32(1u) == 1u, vec2f(0.0)));",
         inputs: 2,
         outputs: 3,
         features: &[],
@@ -194,7 +194,7 @@ fn surfaces_emit_on_their_front_and_where_two_sided_on_their_back() {
     );
     let mut dark = 0;
     for (&[light, front], radiance) in cases.iter().zip(answers.vec3(0)) {
-        let expected = emitted_radiance(&world, light, front == 1);
+        let expected = emitted_radiance(&world, light, front == 1, DVec2::ZERO);
         assert_eq!(radiance, rounded(expected), "light {light}, front {front}");
         dark += usize::from(expected == DVec3::ZERO);
     }

@@ -198,7 +198,7 @@ fn claimed_densities_are_the_evaluated_ones() {
                if hit.primitive != 0xffffffffu {
                    let y = surface_at(ray, hit, -ray.direction);
                    if y.light == index && y.front {
-                       pdf = pdf_area_light(index, x, facing, s.wi, hit.t * hit.t, y.wo.z).value;
+                       pdf = pdf_area_light(index, x, facing, s.wi, hit.t * hit.t, y.wo.z, hit.st).value;
                    }
                }
                if light.kind == LIGHT_ENVIRONMENT {
