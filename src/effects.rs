@@ -91,6 +91,10 @@ effects! {
     RoughnessTexture "ROUGHNESS_TEXTURE" "roughness-texture" Simulation |r| r.texture(|t| t.metallic_roughness);
     /// Textures of shading normals.
     NormalMap "NORMAL_MAP" "normal-map" Simulation |r| r.texture(|t| t.normal.map(|map| map.texture));
+    /// Surfaces that stop a ray by chance, or where a mask is.
+    Alpha "ALPHA" "alpha" Simulation |r| r.opacity();
+    /// Textures of opacity.
+    AlphaTexture "ALPHA_TEXTURE" "alpha-texture" Simulation |r| r.opacity_texture();
     /// Surfaces that emit.
     AreaLights "AREA_LIGHTS" "area-lights" Simulation |r| r.emitting_shape(|_, _| true);
     /// Textures of what surfaces emit.
@@ -143,6 +147,8 @@ effects! {
     StratifiedPattern "SHADOW_STRATIFIED" "stratified-pattern" Sampling |r| r.shadow_pattern(ShadowPattern::Stratified);
     /// Directions are chosen towards lights.
     SampleLights "SAMPLE_LIGHTS" "light-sampling" Sampling |r| r.light_sampling();
+    /// Surfaces with an opacity that emit and are sampled.
+    AlphaLights "ALPHA_LIGHTS" "alpha-lights" Simulation |r| r.alpha_lights();
     /// Directions are chosen in proportion to the BSDF.
     SampleBsdf "SAMPLE_BSDF" "bsdf-sampling" Sampling |r| r.bsdf_sampling();
     /// Directions are chosen uniformly over the hemisphere.

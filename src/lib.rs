@@ -85,7 +85,8 @@
 //! # What is awkward today
 //!
 //! - Glass passes no shadow rays, so that its shadows are black; transmission is smooth, and bodies do not absorb.
-//! - Alpha and emissive textures are read past, with a warning each.
+//! - Emissive textures are read past, with a warning each, and vertex colours with their alpha.
+//! - Lights with an opacity are chosen as often as opaque ones.
 //! - The BVH's boxes lie on one 16-bit grid over the scene: where detail is finer than 1/65,535 of the scene's size,
 //!   boxes are looser than they need be.
 

@@ -100,6 +100,8 @@ fn what_a_scene_does_not_call_for_is_not_in_its_shader() {
         "grid_point",
         "part_of_sample",
         "own_samples",
+        "opacity_at",
+        "is_stopped",
     ] {
         assert!(
             !wgsl.contains(absent),

@@ -25,6 +25,8 @@ pub struct Attributed {
     pub normals: bool,
     /// Texture coordinates that its material reads.
     pub uvs: bool,
+    /// An opacity that is not 1 everywhere.
+    pub opacity: bool,
 }
 
 /// The attributes of all primitives.
@@ -44,14 +46,18 @@ impl Attributes {
     pub fn new(scene: &Scene, primitives: &[Primitive]) -> Self {
         let mut attributes = Self::default();
         for primitive in primitives {
-            let attributed = attributes.add(scene, primitive);
+            let mut attributed = attributes.add(scene, primitive);
+            let opacity = &scene.materials[primitive.material.index()].opacity;
+            let varies = attributed.uvs && opacity.texture.is_some();
+            attributed.opacity = varies || opacity.untextured() < 1.0;
             attributes.of_primitive.push(attributed);
         }
         attributes
     }
 
     fn add(&mut self, scene: &Scene, primitive: &Primitive) -> Attributed {
-        let textured = scene.materials[primitive.material.index()].textures.any();
+        let material = &scene.materials[primitive.material.index()];
+        let textured = material.texture_uses().next().is_some();
         let none = Attributed::default();
         let (u, v) = match primitive.geometry {
             PrimitiveGeometry::Sphere { .. } => return none,
@@ -86,6 +92,7 @@ impl Attributes {
             index: self.triangles.len() as u32 - 1,
             normals: normals.is_some(),
             uvs: uvs.is_some(),
+            ..none
         }
     }
 }

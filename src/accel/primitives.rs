@@ -100,10 +100,16 @@ impl PrimitiveGeometry {
     }
 }
 
-/// All primitives of a scene, in the order of its shapes and their triangles.
+/// All primitives of a scene that a ray can meet, in the order of its shapes and their triangles.
 pub fn primitives(scene: &Scene, normalization: &Normalization) -> Vec<Primitive> {
     let mut out = Vec::new();
     for (index, shape) in scene.shapes.iter().enumerate() {
+        if scene.materials[shape.material.index()]
+            .opacity
+            .is_never_met()
+        {
+            continue;
+        }
         let mut part = 0;
         let mut push = |geometry| {
             out.push(Primitive {

@@ -111,16 +111,57 @@ impl Rules<'_> {
         &self,
         which: fn(&MaterialTextures) -> Option<TextureUse>,
     ) -> Option<String> {
+        self.texture_of(|material| which(&material.textures))
+    }
+
+    /// The same of all that a material reads.
+    fn texture_of(&self, which: impl Fn(&Material) -> Option<TextureUse>) -> Option<String> {
         let primitives = self.primitives.iter().zip(&self.attributes.of_primitive);
         let mut primitives = primitives.filter(|(_, attributes)| attributes.uvs);
         primitives.find_map(|(p, _)| {
             let material = &self.scene.materials[p.material.index()];
-            let texture = &self.scene.textures[which(&material.textures)?.texture.index()];
+            let texture = &self.scene.textures[which(material)?.texture.index()];
             Some(format!(
                 "materials.{}: {} ({} × {})",
                 material.name, texture.source, texture.width, texture.height
             ))
         })
+    }
+
+    /// The first opacity of a primitive that is not 1 everywhere.
+    pub(super) fn opacity(&self) -> Option<String> {
+        let primitives = self.primitives.iter().zip(&self.attributes.of_primitive);
+        let mut primitives = primitives.filter(|(_, attributes)| attributes.opacity);
+        primitives.next().map(|(p, attributes)| {
+            let material = &self.scene.materials[p.material.index()];
+            let opacity = &material.opacity;
+            let mut said = format!("materials.{}: opacity {}", material.name, opacity.factor);
+            if let Some(used) = opacity.texture.filter(|_| attributes.uvs) {
+                said += &format!(" × {}", self.scene.textures[used.texture.index()].source);
+            }
+            if let Some(cutoff) = opacity.cutoff {
+                said += &format!(", cutoff {cutoff}");
+            }
+            said
+        })
+    }
+
+    /// The first shape with an opacity that emits and is sampled.
+    pub(super) fn alpha_lights(&self) -> Option<String> {
+        let mut lights = self.emitters.lights.iter().enumerate();
+        lights.find_map(|(index, light)| {
+            let Emitter::Area { primitive, .. } = light else {
+                return None;
+            };
+            let opacity = self.attributes.of_primitive[*primitive as usize].opacity;
+            let sampled = self.emitters.probability(index) > 0.0;
+            let name = || self.name_of(&self.primitives[*primitive as usize]);
+            (opacity && sampled).then(|| format!("{} emits and has an opacity", name()))
+        })
+    }
+
+    pub(super) fn opacity_texture(&self) -> Option<String> {
+        self.texture_of(|material| material.opacity.texture)
     }
 
     pub(super) fn energy_compensation(&self) -> Option<String> {

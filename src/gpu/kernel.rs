@@ -103,10 +103,11 @@ fn scene_types(effects: &Effects) -> Vec<(u32, wgpu::BindingType)> {
         types.extend([(5, READ), (6, TEXELS)]);
     }
     let data = [Effect::RoughnessTexture, Effect::NormalMap];
-    if any(&data) || any(&[Effect::SmoothNormals, Effect::ColorTexture]) {
+    let colors = [Effect::ColorTexture, Effect::AlphaTexture];
+    if any(&data) || any(&colors) || any(&[Effect::SmoothNormals]) {
         types.push((7, READ));
     }
-    if any(&[Effect::ColorTexture, Effect::EmissiveTexture]) {
+    if any(&colors) || any(&[Effect::EmissiveTexture]) {
         types.push((8, LAYERS));
     }
     if any(&data) {

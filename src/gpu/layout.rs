@@ -236,6 +236,10 @@ shared! {
     "scene::fetch" HAS_NORMALS = 1;
     /// Set where a primitive has texture coordinates that its material reads.
     "scene::fetch" HAS_UVS = 2;
+    /// Set where a primitive has an opacity.
+    "scene::fetch" HAS_OPACITY = 4;
+    /// Bits below a primitive's place among the triangles with attributes.
+    "scene::fetch" ATTRIBUTE_BITS = 3;
     /// Words of a textured material.
     "scene::textured" TEXTURED_WORDS = 4;
     /// An image again outside of itself.

@@ -2,11 +2,12 @@
 
 use super::layout::{
     EMISSION_SHIFT, EMISSION_WORDS, LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_POINT,
-    LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, LIGHT_WORDS, SKEWED_BIT,
+    LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, LIGHT_WORDS, NONE, SKEWED_BIT,
     TWO_SIDED_BIT,
 };
 use super::scene_buffers::{Word, bits, word};
 use crate::accel::PrimitiveGeometry;
+use crate::effects::Effect;
 use crate::emitters::{EmissionMap, Emitter, Selection};
 use crate::render::Prepared;
 use crate::scene::Light;
@@ -27,13 +28,16 @@ pub(super) fn choice_words(prepared: &Prepared) -> Vec<Word> {
     }
 }
 
-/// [`LIGHT_WORDS`] per light, behind them [`EMISSION_WORDS`] per map of emission. `textures` tells per shape at which word
-/// of the materials the texture of its emission begins.
+/// [`LIGHT_WORDS`] per light; behind them, where lights have an opacity, the primitive of each that has one; then
+/// [`EMISSION_WORDS`] per map of emission. `textures` tells per shape at which word of the materials the texture of its
+/// emission begins.
 pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
     let tree = prepared.emitters.selection.as_ref();
     let tree = tree.and_then(Selection::tree);
     let trail = |index: usize| tree.map_or(0, |tree| tree.trails[index]);
-    let maps_begin = LIGHT_WORDS * prepared.emitters.lights.len() as u32;
+    let opacities = prepared.effects.contains(Effect::AlphaLights);
+    let of_light = LIGHT_WORDS + u32::from(opacities);
+    let maps_begin = of_light * prepared.emitters.lights.len() as u32;
     let lights = prepared.emitters.lights.iter().enumerate();
     let words = lights.flat_map(|(index, emitter)| {
         let samples = bits(prepared.light_samples(index));
@@ -69,9 +73,18 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
             ],
         }
     });
+    let primitives = prepared.emitters.lights.iter().filter(|_| opacities);
+    let primitives = primitives.map(|emitter| match emitter {
+        Emitter::Area { primitive, .. }
+            if prepared.attributes.of_primitive[*primitive as usize].opacity =>
+        {
+            [*primitive, 0, 0, 0]
+        }
+        _ => [NONE, 0, 0, 0],
+    });
     let maps = prepared.emitters.maps.iter();
     let maps = maps.flat_map(|map| emission_words(map, textures[map.shape.index()]));
-    words.chain(maps).collect()
+    words.chain(primitives).chain(maps).collect()
 }
 
 fn emission_words(map: &EmissionMap, texture: u32) -> [Word; EMISSION_WORDS as usize] {

@@ -26,8 +26,9 @@ pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Mate
     let mut words: Vec<Word> = materials
         .flat_map(|m| one_material(&m.bsdf.parameters(), scene.render.energy_compensation))
         .collect();
+    let further = |m: &Material| m.texture_uses().next().is_some() || m.opacity.untextured() < 1.0;
     let textured = scene.materials.iter().enumerate();
-    for (index, material) in textured.filter(|(_, m)| m.textures.any()) {
+    for (index, material) in textured.filter(|(_, m)| further(m)) {
         let first = words.len() as u32;
         words[index * MATERIAL_WORDS as usize + MATERIAL_WORDS as usize - 1][3] = first;
         words.extend(textured_words(material));
@@ -48,7 +49,16 @@ pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Mate
             add(normal, data),
             bits(scale),
         ];
+        let opacity = &material.opacity;
+        // −1 stands for no cutoff.
+        let cutoff = opacity.cutoff.unwrap_or(-1.0);
+        let opacity = [
+            bits(opacity.factor),
+            bits(cutoff),
+            add(opacity.texture, colors),
+        ];
         words[first as usize + 2] = indices;
+        words[first as usize + 3][1..].copy_from_slice(&opacity);
     }
     let emission = scene.shapes.iter().map(|shape| {
         let Some(texture) = shape.emission.and_then(|e| e.texture) else {
@@ -95,7 +105,7 @@ fn one_material(p: &BsdfParameters, compensated: bool) -> [Word; MATERIAL_WORDS 
 }
 
 /// What the textures of a material are factors on: base colour and roughness; F₀ of the dielectric and metallic; room for the
-/// indices of the textures; F₉₀ of the dielectric. A conductor is a metal of the metallic-roughness model here. The
+/// indices of the textures; F₉₀ of the dielectric, and room for the opacity. A conductor is a metal of the metallic-roughness model here. The
 /// roughness of what is no case of it is −1: there only a colour counts.
 fn textured_words(material: &Material) -> [Word; TEXTURED_WORDS as usize] {
     let (color, roughness, f0, metallic, f90) = match material.bsdf {

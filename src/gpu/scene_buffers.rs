@@ -4,8 +4,8 @@ use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::environment::EnvironmentBuffers;
 use super::layout::{
-    FILTER_WORDS, Frame, HAS_NORMALS, HAS_UVS, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE,
-    KIND_TRIANGLE, NONE, ONE_SIDED_BIT, TILE,
+    ATTRIBUTE_BITS, FILTER_WORDS, Frame, HAS_NORMALS, HAS_OPACITY, HAS_UVS, KIND_DISK,
+    KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, NONE, ONE_SIDED_BIT, TILE,
 };
 use super::lights::{choice_words, emission_cell_words, light_words};
 use super::materials::{MaterialWords, material_words};
@@ -185,8 +185,10 @@ fn primitive_words(prepared: &Prepared) -> Vec<Word> {
 
 fn one_primitive(scene: &Scene, p: &Primitive, light: u32, attributed: &Attributed) -> [Word; 3] {
     let flag = |set: bool, bit: u32| if set { bit } else { 0 };
-    let has = flag(attributed.normals, HAS_NORMALS) | flag(attributed.uvs, HAS_UVS);
-    let attributes = attributed.index << 2 | has;
+    let has = flag(attributed.normals, HAS_NORMALS)
+        | flag(attributed.uvs, HAS_UVS)
+        | flag(attributed.opacity, HAS_OPACITY);
+    let attributes = attributed.index << ATTRIBUTE_BITS | has;
     let one_sided = !scene.materials[p.material.index()].double_sided;
     let side = if one_sided { ONE_SIDED_BIT } else { 0 };
     let head = |kind: u32| kind | side | p.material.0 << 3;
@@ -204,7 +206,7 @@ fn one_primitive(scene: &Scene, p: &Primitive, light: u32, attributed: &Attribut
         PrimitiveGeometry::Sphere { center, radius } => [
             word(center, head(KIND_SPHERE)),
             word(DVec3::new(radius, 0.0, 0.0), light),
-            [0; 4],
+            [0, 0, 0, attributes],
         ],
     }
 }

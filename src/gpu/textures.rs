@@ -107,7 +107,10 @@ pub fn atlases(scene: &Scene) -> [Atlas; 2] {
         Atlas::new(ids.into_iter().map(|id| (id, &scene.textures[id.index()])))
     };
     [
-        read(|m| [m.textures.color.map(|u| u.texture), None], &emitted),
+        read(
+            |m| [m.textures.color, m.opacity.texture].map(|used| used.map(|u| u.texture)),
+            &emitted,
+        ),
         read(
             |m| {
                 let normal = m.textures.normal.map(|map| map.texture.texture);

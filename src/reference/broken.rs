@@ -2,6 +2,7 @@
 //! of `direkt compare` is run against them and has to reject them; a check that accepts one checks nothing.
 
 use super::core::pdf::{PdfArea, PdfDiscrete, PdfSolidAngle, chosen};
+use super::scene::opacity::Crossings;
 use crate::effects::Effect;
 use crate::emitters::Emitter;
 use crate::render::Prepared;
@@ -24,6 +25,8 @@ pub enum BrokenTwin {
     ExtraCosine,
     /// The MIS weights of BSDF samples take several shadow rays for one
     RaysForgotten,
+    /// Shadow rays are stopped by every surface, whatever its opacity
+    OpaqueShadows,
 }
 
 /// A row of the table.
@@ -96,6 +99,12 @@ pub const BROKEN_TWINS: &[Row] = &[
                 && p.emitters.sampled().any(extended)
         },
     },
+    Row {
+        twin: BrokenTwin::OpaqueShadows,
+        name: "opaque-shadows",
+        description: "shadow rays are stopped by every surface, whatever its opacity",
+        applies: |p| p.effects.contains(Effect::Alpha) && p.effects.contains(Effect::SampleLights),
+    },
 ];
 
 fn samples_anything(p: &Prepared) -> bool {
@@ -157,6 +166,14 @@ impl BrokenTwin {
         match broken {
             Some(Self::RaysForgotten) => 1,
             _ => rays,
+        }
+    }
+
+    /// What decides which surfaces stop a shadow ray.
+    pub fn crossings(broken: Option<Self>, crossings: Crossings) -> Crossings {
+        match broken {
+            Some(Self::OpaqueShadows) => Crossings::OPAQUE,
+            _ => crossings,
         }
     }
 

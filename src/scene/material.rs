@@ -1,7 +1,8 @@
-//! Surfaces: a BSDF, and whether its back exists.
+//! Surfaces: a BSDF, whether its back exists, and how likely it stops a ray.
 
 use super::fresnel::{average, conductor_reflectance, dielectric_reflectance};
-use super::texture::{MaterialTextures, TexturedFactors};
+use super::opacity::Opacity;
+use super::texture::{MaterialTextures, TextureUse, TexturedFactors};
 use glam::DVec3;
 
 /// How a surface scatters light.
@@ -16,6 +17,15 @@ pub struct Material {
     pub double_sided: bool,
     /// What varies over the surface.
     pub textures: MaterialTextures,
+    /// How likely it stops a ray.
+    pub opacity: Opacity,
+}
+
+impl Material {
+    /// All textures that it reads.
+    pub fn texture_uses(&self) -> impl Iterator<Item = TextureUse> {
+        self.textures.uses().chain(self.opacity.texture)
+    }
 }
 
 /// The scattering functions of a scene file.

@@ -61,13 +61,26 @@ impl Texture {
         }
     }
 
-    /// The value that all its texels have, where they are the same.
-    pub fn constant(&self) -> Option<DVec4> {
+    /// Red, green and blue of all its texels, where they are the same.
+    pub fn constant(&self) -> Option<DVec3> {
         let same = match &self.texels {
-            Texels::Bytes(texels) => texels.iter().all(|t| *t == texels[0]),
-            Texels::Halves(texels) => texels.iter().all(|t| *t == texels[0]),
+            Texels::Bytes(texels) => texels.iter().all(|t| t[..3] == texels[0][..3]),
+            Texels::Halves(texels) => texels.iter().all(|t| t[..3] == texels[0][..3]),
         };
-        same.then(|| self.texel(0, 0))
+        same.then(|| self.texel(0, 0).truncate())
+    }
+
+    /// The least and the largest alpha of its texels.
+    pub fn alpha_range(&self) -> [f64; 2] {
+        let range = |alphas: &mut dyn Iterator<Item = f64>| {
+            alphas.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], alpha| {
+                [alpha.min(low), alpha.max(high)]
+            })
+        };
+        match &self.texels {
+            Texels::Bytes(texels) => range(&mut texels.iter().map(|t| f64::from(t[3]) / 255.0)),
+            Texels::Halves(texels) => range(&mut texels.iter().map(|t| f64::from(t[3]))),
+        }
     }
 }
 

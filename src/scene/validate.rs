@@ -11,7 +11,7 @@ use super::settings::MAX_SPECULAR_DEPTH;
 use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
     Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize, Geometry,
-    Light, LightSelection, Mesh, Scene, Shape,
+    Light, LightSelection, Material, Mesh, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
@@ -33,7 +33,7 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
         materials::textures(&scene.source, material, scene.textures.len())?;
     }
     for shape in &scene.shapes {
-        check.shape(shape, scene.materials.len())?;
+        check.shape(shape, &scene.materials)?;
     }
     for (index, light) in scene.lights.iter().enumerate() {
         check.light(light, &format!("lights[{index}]"))?;
@@ -81,16 +81,25 @@ impl Check<'_> {
         }
     }
 
-    fn shape(&self, shape: &Shape, materials: usize) -> Outcome {
+    fn shape(&self, shape: &Shape, materials: &[Material]) -> Outcome {
         let field = shape.field();
         if let Some(Emission { radiance, .. }) = shape.emission {
             self.power(radiance, || format!("{field}.emission.radiance"))?;
         }
         self.require(
-            shape.material.index() < materials,
+            shape.material.index() < materials.len(),
             || format!("{field}.material"),
-            || format!("is {} of {materials}", shape.material.0),
+            || format!("is {} of {}", shape.material.0, materials.len()),
             "an index into the scene's materials",
+        )?;
+        let two_sided = shape.emission.is_some_and(|e| e.two_sided);
+        let opacity = materials[shape.material.index()].opacity.untextured();
+        let sphere = matches!(shape.geometry, Geometry::Sphere { .. });
+        self.require(
+            !(sphere && two_sided) || opacity >= 1.0,
+            || format!("{field}.emission.two_sided"),
+            || format!("is true on a sphere of opacity {opacity}"),
+            "false: a sphere that rays pass emits outwards only",
         )?;
         match &shape.geometry {
             Geometry::Rectangle { corner: p, u, v } | Geometry::Disk { center: p, u, v } => self

@@ -70,6 +70,10 @@ fn what_has_no_exact_answer_is_refused_by_name() {
     for (path, name) in [
         ("scenes/veach.toml", "is curved"),
         ("scenes/tests/sky.toml", "[environment]"),
+        (
+            "scenes/tests/opacity_shadow.toml",
+            "materials.veil: opacity 0.4",
+        ),
     ] {
         let refused = exact(scene(path), Strategy::MisPower).unwrap_err();
         assert!(refused.to_string().contains(name), "{path}: {refused}");
@@ -80,7 +84,7 @@ fn what_has_no_exact_answer_is_refused_by_name() {
 #[test]
 fn exact_answers_reject_every_broken_twin() {
     assert_rejected("glossy Cornell", glossy_cornell(), |twin| {
-        twin != BrokenTwin::RaysForgotten
+        !matches!(twin, BrokenTwin::RaysForgotten | BrokenTwin::OpaqueShadows)
     });
     // A light so near that BSDF samples find much of it.
     let mut near = scene("scenes/tests/square_near.toml");

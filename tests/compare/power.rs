@@ -3,6 +3,7 @@
 use super::compared;
 use crate::support::{KINDS_OF_STRATEGIES, scene, scenes_of_lights};
 use direkt::compare::Comparison;
+use direkt::effects::Effect;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::render::Prepared;
 use direkt::scene::{LightSampling, Scene, Strategy};
@@ -52,17 +53,31 @@ fn cases_of_several_rays() -> Vec<(String, Scene, Strategy, u32)> {
     scenes.into_iter().map(several).collect()
 }
 
+/// Scenes whose surfaces let light pass, for what is about them.
+fn cases_of_opacities() -> Vec<(String, Scene, Strategy, u32)> {
+    let paths = ["scenes/leaves.toml", "scenes/tests/opacity_shadow.toml"];
+    let strategies = [Strategy::LightArea, Strategy::MisPower];
+    let of_path = |path: &str| strategies.map(|s| (path.to_owned(), scene(path), s, 1 << 12));
+    paths.into_iter().flat_map(of_path).collect()
+}
+
 /// Samples with the same random numbers show every mistake everywhere. Means show those that are larger than their
 /// noise: each of them on some scene.
 #[test]
 fn every_broken_twin_is_rejected_on_every_scene() {
     let mut found = vec![Found::default(); BROKEN_TWINS.len()];
-    for (name, scene, strategy, pixels) in cases().into_iter().chain(cases_of_several_rays()) {
+    let special = [cases_of_several_rays(), cases_of_opacities()].concat();
+    for (name, scene, strategy, pixels) in cases().into_iter().chain(special) {
         let prepared = Prepared::new(scene.clone(), strategy, scene.render.light_selection);
         let several = prepared.shadow_rays() > 1;
+        let opacities = prepared.effects.contains(Effect::Alpha);
         for (row, found) in BROKEN_TWINS.iter().zip(&mut found) {
-            let about_rays = row.twin == BrokenTwin::RaysForgotten;
-            if (row.applies)(&prepared) && several == about_rays {
+            let concerned = match row.twin {
+                BrokenTwin::RaysForgotten => several,
+                BrokenTwin::OpaqueShadows => opacities,
+                _ => !several && !opacities,
+            };
+            if (row.applies)(&prepared) && concerned {
                 let broken = compared(&scene, strategy, (pixels, 64), Some(row.twin));
                 assert!(!broken.agrees(), "{name}, {strategy}: {} passes", row.name);
                 found.add(&broken);

@@ -7,6 +7,7 @@ mod ledger;
 mod lens;
 mod light_tree;
 mod one_pixel;
+mod opacity;
 mod pixel_filter;
 mod random_polygons;
 mod shadow_rays;

@@ -151,7 +151,9 @@ fn biased_twins_do_not_have_the_exact_variance() {
                 statistics::reject(slope_p_value(&films[0], &films[1]), row.name);
             }
             // It is about sampling the BSDF as well, which does not happen here.
-            BrokenTwin::MisWeights | BrokenTwin::RaysForgotten => unreachable!("{}", row.name),
+            BrokenTwin::MisWeights | BrokenTwin::RaysForgotten | BrokenTwin::OpaqueShadows => {
+                unreachable!("{}", row.name)
+            }
         }
     }
 }

@@ -267,7 +267,6 @@ fn what_is_left_out_is_said_once() {
         scene.warnings,
         [
             "scene.gltf: occlusionTexture of 1 material is ignored, shadow rays are traced instead",
-            "scene.gltf: alphaMode BLEND of 1 material is not supported: rendered opaque",
             "scene.gltf: textures of 1 primitive have no texture coordinates: their factors are used",
             "scene.gltf: vertex colours of 1 primitive are not supported and ignored",
             "scene.gltf: morph targets of 1 primitive are not supported: the base shape is rendered",

@@ -8,6 +8,7 @@ mod files;
 mod fuzz;
 mod gltf;
 mod meshes;
+mod opacity;
 mod repository;
 mod shadow_rays;
 mod textures;

@@ -14,7 +14,7 @@ use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
     Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, MaterialTextures,
-    PixelFilter, RenderSettings, Sampler, Scene, Shape, Strategy,
+    Opacity, PixelFilter, RenderSettings, Sampler, Scene, Shape, Strategy,
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
@@ -150,6 +150,7 @@ pub fn lambert(reflectance: f64) -> Material {
         },
         double_sided: true,
         textures: MaterialTextures::default(),
+        opacity: Opacity::default(),
     }
 }
 

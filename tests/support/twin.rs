@@ -187,7 +187,8 @@ fn samples(broken: Option<BrokenTwin>) -> u64 {
             | BrokenTwin::SwappedSinCos
             | BrokenTwin::LightLeftOut
             | BrokenTwin::ExtraCosine
-            | BrokenTwin::RaysForgotten,
+            | BrokenTwin::RaysForgotten
+            | BrokenTwin::OpaqueShadows,
         ) => 64,
     }
 }

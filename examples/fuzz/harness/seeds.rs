@@ -18,6 +18,8 @@ height = 1
 type = "lambert"
 reflectance = [0.6, 0.1, 0.1]
 double_sided = false
+opacity = 0.75
+alpha_cutoff = 0.5
 [materials.metal]
 type = "conductor"
 reflectance = 0.9

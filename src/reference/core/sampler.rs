@@ -15,6 +15,9 @@ pub const GROUP_DIRECTION: u32 = 2;
 /// What the light tree needs beyond the light choice, one word after the other.
 pub const GROUP_LIGHT_TREE: u32 = 3;
 
+/// What decides which surfaces of an opacity stop the sample's rays; hashed further.
+pub const GROUP_OPACITY: u32 = 8;
+
 /// Group of the points on light 0, where every light has its own, or of a grid's first cell: light point x, light point
 /// y; –, –. That of the next follows.
 pub const GROUP_LIGHT_POINTS: u32 = 16;

@@ -15,6 +15,7 @@ use crate::reference::core::ray::Ray;
 use crate::reference::light::light::emitted_radiance;
 use crate::reference::light::spot::spot_falloff;
 use crate::reference::scene::fetch::World;
+use crate::reference::scene::opacity::Crossings;
 use crate::reference::scene::surface::{Surface, surface_at};
 use crate::reference::scene::trace::{any_hit, closest_hit};
 use crate::scene::Light;
@@ -58,6 +59,9 @@ pub enum NotExact {
     /// Light that meets several facets.
     #[error("energy_compensation = true; exact answers are known for light that meets one facet")]
     Compensated,
+    /// Surfaces that let rays pass.
+    #[error("{0}; exact visibility is known for surfaces that stop all rays")]
+    Opacity(String),
     /// A lobe that is not integrated here.
     #[error(
         "materials.{0} has a GGX lobe with Fresnel's equations; exact answers are known for Schlick's"
@@ -101,6 +105,10 @@ impl<'a> ExactScene<'a> {
         if world.prepared.effects.contains(Effect::EnergyCompensation) {
             return Err(NotExact::Compensated);
         }
+        let mut effects = world.prepared.effects.iter();
+        if let Some((_, reason)) = effects.find(|(effect, _)| *effect == Effect::Alpha) {
+            return Err(NotExact::Opacity(reason.to_owned()));
+        }
         for material in &world.prepared.scene.materials {
             let parameters = material.bsdf.parameters();
             if parameters.is_specular() {
@@ -139,7 +147,7 @@ impl<'a> ExactScene<'a> {
 
     /// Radiance that arrives along `ray`, against its direction.
     pub fn radiance(&self, ray: &Ray) -> Estimate {
-        let Some(hit) = closest_hit(self.world, ray) else {
+        let Some(hit) = closest_hit(self.world, ray, Crossings::OPAQUE) else {
             return Estimate::ZERO;
         };
         let s = surface_at(self.world, ray, &hit, -ray.direction);
@@ -258,7 +266,7 @@ impl<'a> ExactScene<'a> {
             origin: s.origin,
             direction: end - s.origin,
         };
-        if irradiance <= 0.0 || any_hit(self.world, &ray, 1.0) {
+        if irradiance <= 0.0 || any_hit(self.world, &ray, Crossings::OPAQUE, 1.0) {
             return Estimate::ZERO;
         }
         let f = f_r(&s.material, &s.frame, towards.normalize_or_zero(), s.wo);

@@ -14,6 +14,7 @@ use crate::reference::light::light::{
     emitted_radiance, environment_cell_margin, environment_radiance, pdf_environment,
 };
 use crate::reference::light::sun::{is_in_sun, pdf_sun, sun_margin, suns};
+use crate::reference::scene::opacity::Crossings;
 use crate::reference::scene::surface::{Surface, is_above, surface_at};
 use crate::reference::scene::trace::closest_hit;
 use glam::DVec3;
@@ -23,11 +24,11 @@ impl Direct<'_> {
     pub(super) fn estimate_by_bsdf(
         &self,
         s: &Surface,
-        lobe: u32,
-        words: [u32; 4],
+        [lobe, x, y]: [u32; 3],
+        crossings: Crossings,
         sample: &mut Sample,
     ) -> DVec3 {
-        let u = to_unit_2d(words[0], words[1]);
+        let u = to_unit_2d(x, y);
         let chosen = self.choose_direction(s, to_unit(lobe), u);
         let ray = Ray {
             origin: s.origin,
@@ -41,7 +42,7 @@ impl Direct<'_> {
         let one = BrokenTwin::density(self.broken, PdfSolidAngle(1.0));
         let weight = BrokenTwin::f_cos(self.broken, chosen.weight, wi.z) / one.0;
         let pdf_bsdf = BrokenTwin::density(self.broken, chosen.pdf);
-        let (radiance, pdf_light) = self.light_in_direction(s, &ray, sample);
+        let (radiance, pdf_light) = self.light_in_direction(s, &ray, crossings, sample);
         let mut radiance = radiance * self.bsdf_weight(pdf_bsdf, pdf_light);
         if sample.path.bsdf == BsdfRay::Missed {
             radiance += self.estimate_suns_by_bsdf(ray.direction, pdf_bsdf, sample);
@@ -83,11 +84,12 @@ impl Direct<'_> {
         &self,
         s: &Surface,
         ray: &Ray,
+        crossings: Crossings,
         sample: &mut Sample,
     ) -> (DVec3, PdfSolidAngle) {
         let world = &self.world;
         let dark = (DVec3::ZERO, PdfSolidAngle(0.0));
-        let Some(hit) = closest_hit(world, ray) else {
+        let Some(hit) = closest_hit(world, ray, crossings) else {
             sample.path.bsdf = BsdfRay::Missed;
             if world.prepared.scene.environment.is_none() {
                 return dark;

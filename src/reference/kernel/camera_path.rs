@@ -10,6 +10,7 @@ use crate::reference::core::rng::to_unit;
 use crate::reference::core::sampler::{GROUP_SPECULAR, Numbers, SampleId};
 use crate::reference::light::light::{distant_radiance, emitted_radiance};
 use crate::reference::scene::fetch::World;
+use crate::reference::scene::opacity::{Crossings, RAY_CAMERA};
 use crate::reference::scene::surface::{Surface, is_above, surface_at};
 use crate::reference::scene::trace::closest_hit;
 use glam::DVec3;
@@ -79,7 +80,8 @@ pub fn follow_camera_ray(
     let mut throughput = DVec3::ONE;
     let mut ray = first;
     loop {
-        let hit = closest_hit(world, &ray);
+        let number = RAY_CAMERA + sample.path.further_rays;
+        let hit = closest_hit(world, &ray, Crossings::of_sample(id).of_ray(number));
         record_hit(sample, hit.as_ref());
         let Some(hit) = hit else {
             sample.radiance += throughput * distant_radiance(world, ray.direction);

@@ -29,8 +29,10 @@ use crate::reference::core::sampler::{
 use crate::reference::light::alias_table::Choice;
 use crate::reference::light::area_light::LightSample;
 use crate::reference::light::light::{choose_light, own_samples, sample_chosen_light};
+use crate::reference::light::opacity::light_opacity;
 use crate::reference::light::tree::choose_tree_light;
 use crate::reference::scene::fetch::World;
+use crate::reference::scene::opacity::{Crossings, RAY_BSDF, RAY_SHADOW};
 use crate::reference::scene::surface::{Surface, is_above, shadow_ray};
 use crate::reference::scene::trace::any_hit;
 use crate::render::Prepared;
@@ -145,7 +147,9 @@ impl<'a> Direct<'a> {
             sample.by_light = lit.throughput * self.estimate_by_light(&s, id, &mut sample);
         }
         if self.sample_bsdf {
-            let by_bsdf = self.estimate_by_bsdf(&s, light_words[3], direction_words, &mut sample);
+            let crossings = Crossings::of_sample(id).of_ray(RAY_BSDF);
+            let words = [light_words[3], direction_words[0], direction_words[1]];
+            let by_bsdf = self.estimate_by_bsdf(&s, words, crossings, &mut sample);
             sample.by_bsdf = lit.throughput * by_bsdf;
         }
         sample.radiance += sample.by_light + sample.by_bsdf;
@@ -213,14 +217,17 @@ impl<'a> Direct<'a> {
     fn estimate_by_light(&self, s: &Surface, id: SampleId, sample: &mut Sample) -> DVec3 {
         let emitters = &self.world.prepared.emitters;
         let rays = self.shadow_rays.rays();
+        let crossings = Crossings::of_sample(id);
         let mut sum = DVec3::ZERO;
         match &emitters.selection {
             None => {}
             Some(Selection::One(_) | Selection::Tree(_)) => {
                 for ray in 0..rays {
                     let u = self.shadow_rays.light_numbers(id, 0, ray);
+                    let crossings = crossings.of_ray(RAY_SHADOW + ray);
                     if let Some(choice) = self.choose(s, u, sample) {
-                        sum += self.estimate_by_shadow_ray(s, choice, u, sample) / f64::from(rays);
+                        let found = self.estimate_by_shadow_ray(s, choice, u, crossings, sample);
+                        sum += found / f64::from(rays);
                     }
                 }
             }
@@ -233,7 +240,10 @@ impl<'a> Direct<'a> {
                             probability: PdfDiscrete(1.0),
                         };
                         let u = self.shadow_rays.light_numbers(id, index, ray);
-                        sum += self.estimate_by_shadow_ray(s, choice, u, sample) / f64::from(own);
+                        let number = index.wrapping_mul(rays).wrapping_add(ray);
+                        let crossings = crossings.of_ray(RAY_SHADOW.wrapping_add(number));
+                        let found = self.estimate_by_shadow_ray(s, choice, u, crossings, sample);
+                        sum += found / f64::from(own);
                     }
                 }
             }
@@ -260,6 +270,7 @@ impl<'a> Direct<'a> {
         s: &Surface,
         choice: Choice,
         u: LightNumbers,
+        crossings: Crossings,
         sample: &mut Sample,
     ) -> DVec3 {
         if s.own_light == Some(choice.index) {
@@ -272,6 +283,7 @@ impl<'a> Direct<'a> {
         let f = eval_bsdf(&s.material, wi, s.wo);
         let f_cos = BrokenTwin::f_cos(self.broken, f.f_cos, wi.z);
         let mut contribution = f_cos * light.radiance_over_pdf;
+        contribution *= light_opacity(&self.world, choice.index, s.position, light.wi);
         if self.sample_bsdf && !light.delta {
             let pdf_bsdf = BrokenTwin::density(self.broken, f.pdf);
             let pdf_light = of_samples(self.shadow_rays.rays(), light.pdf);
@@ -282,7 +294,9 @@ impl<'a> Direct<'a> {
             return DVec3::ZERO;
         }
         sample.path.shadow.traced += 1;
-        if any_hit(&self.world, &shadow_ray(s, light.target_point), 1.0) {
+        let crossings = BrokenTwin::crossings(self.broken, crossings);
+        let ray = shadow_ray(s, light.target_point);
+        if any_hit(&self.world, &ray, crossings, 1.0) {
             return DVec3::ZERO;
         }
         sample.path.shadow.clear += 1;

@@ -10,6 +10,7 @@ pub mod disk;
 pub mod emission;
 pub mod environment;
 pub mod light;
+pub mod opacity;
 pub mod polygon;
 pub mod rectangle;
 pub mod sphere;

@@ -35,6 +35,11 @@ pub fn fetch_uvs(world: &World<'_>, p: &Primitive) -> VertexUvs {
     }
 }
 
+/// The texture coordinates of the point `st`.
+pub fn interpolate_uv(uvs: &VertexUvs, st: DVec2) -> DVec2 {
+    uvs[0] + st.x * (uvs[1] - uvs[0]) + st.y * (uvs[2] - uvs[0])
+}
+
 /// The unit normal between those of the vertices, on the side of the primitive's own normal; that itself where they cancel.
 pub fn interpolate_normal(n: &VertexNormals, st: DVec2, own: DVec3) -> DVec3 {
     let sum = (1.0 - st.x - st.y) * n[0] + st.x * n[1] + st.y * n[2];

@@ -2,6 +2,7 @@
 
 pub mod attributes;
 pub mod fetch;
+pub mod opacity;
 pub mod surface;
 pub mod texture;
 pub mod textured;

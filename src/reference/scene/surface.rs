@@ -1,7 +1,8 @@
 //! The surface where a ray ended.
 
 use super::attributes::{
-    fetch_normals, fetch_uvs, interpolate_normal, map_normal, seen_normal, terminator_offset,
+    fetch_normals, fetch_uvs, interpolate_normal, interpolate_uv, map_normal, seen_normal,
+    terminator_offset,
 };
 use super::fetch::{Primitive, World};
 use super::textured::{mapped_normal, textured_material};
@@ -76,7 +77,7 @@ fn shading_at(
     }
     if p.attributed.uvs {
         let uvs = fetch_uvs(world, p);
-        let uv = uvs[0] + st.x * (uvs[1] - uvs[0]) + st.y * (uvs[2] - uvs[0]);
+        let uv = interpolate_uv(&uvs, st);
         let material = &world.prepared.scene.materials[p.material_id.index()];
         shading.material = textured_material(world, material, &p.material, uv);
         if let Some(map) = &material.textures.normal {

@@ -1,6 +1,7 @@
 //! Rays against the scene.
 
 use super::fetch::{Primitive, World};
+use super::opacity::{CROSSING_FIRST, CROSSING_SECOND, Crossings, opacity_at};
 use crate::accel::PrimitiveGeometry;
 use crate::reference::core::bvh::{Children, enter_box};
 use crate::reference::core::ray::{Hit, Ray};
@@ -30,8 +31,44 @@ pub fn intersect_primitive(ray: &Ray, p: &Primitive, t_max: f64) -> Option<(f64,
     }
 }
 
+/// Where primitive `index` stops the ray in (0, t_max): one without an opacity wherever it is met.
+pub fn stop_at_primitive(
+    world: &World<'_>,
+    ray: &Ray,
+    crossings: Crossings,
+    index: u32,
+    t_max: f64,
+) -> Option<(f64, DVec2)> {
+    let p = &world.primitives[index as usize];
+    let met = intersect_primitive(ray, p, t_max)?;
+    if !p.attributed.opacity {
+        return Some(met);
+    }
+    let alpha = opacity_at(world, p, met.1);
+    let PrimitiveGeometry::Sphere { center, radius } = p.geometry else {
+        let stopped = crossings.is_stopped(alpha, index, CROSSING_FIRST);
+        return stopped.then_some(met);
+    };
+    let (near, far) = intersect_sphere(ray, center, radius)?;
+    let met = [
+        (near, CROSSING_FIRST, true),
+        (far, CROSSING_SECOND, !p.one_sided),
+    ];
+    let mut met = met.into_iter();
+    let stop = met.find(|&(t, crossing, exists)| {
+        exists && t > 0.0 && t < t_max && crossings.is_stopped(alpha, index, crossing)
+    });
+    stop.map(|(t, ..)| (t, DVec2::ZERO))
+}
+
 /// Walks the hierarchy for the nearest intersection with parameter in (0, t_max), or for any.
-fn traverse(world: &World<'_>, ray: &Ray, t_max: f64, stop_at_any: bool) -> Option<Hit> {
+fn traverse(
+    world: &World<'_>,
+    ray: &Ray,
+    crossings: Crossings,
+    t_max: f64,
+    stop_at_any: bool,
+) -> Option<Hit> {
     if world.bvh.nodes.is_empty() {
         return None;
     }
@@ -47,8 +84,7 @@ fn traverse(world: &World<'_>, ray: &Ray, t_max: f64, stop_at_any: bool) -> Opti
             Children::Leaf(first, end) => {
                 for &i in &world.bvh.order[first as usize..end as usize] {
                     let limit = nearest.map_or(t_max, |h| h.t);
-                    let p = &world.primitives[i as usize];
-                    if let Some((t, st)) = intersect_primitive(ray, p, limit) {
+                    if let Some((t, st)) = stop_at_primitive(world, ray, crossings, i, limit) {
                         nearest = Some(Hit {
                             t,
                             primitive: i,
@@ -75,12 +111,12 @@ fn traverse(world: &World<'_>, ray: &Ray, t_max: f64, stop_at_any: bool) -> Opti
     nearest
 }
 
-/// The nearest intersection with parameter in (0, ∞).
-pub fn closest_hit(world: &World<'_>, ray: &Ray) -> Option<Hit> {
-    traverse(world, ray, f64::INFINITY, false)
+/// The nearest intersection with parameter in (0, ∞) that stops the ray.
+pub fn closest_hit(world: &World<'_>, ray: &Ray, crossings: Crossings) -> Option<Hit> {
+    traverse(world, ray, crossings, f64::INFINITY, false)
 }
 
-/// Whether anything lies on the ray with parameter in (0, t_max).
-pub fn any_hit(world: &World<'_>, ray: &Ray, t_max: f64) -> bool {
-    traverse(world, ray, t_max, true).is_some()
+/// Whether anything stops the ray with parameter in (0, t_max).
+pub fn any_hit(world: &World<'_>, ray: &Ray, crossings: Crossings, t_max: f64) -> bool {
+    traverse(world, ray, crossings, t_max, true).is_some()
 }

@@ -20,6 +20,8 @@ pub(super) enum Meaning {
     Data,
     /// The same, of three components.
     Vector,
+    /// An opacity: the alpha channel, or the only one.
+    Opacity,
 }
 
 /// Most that an f16 holds.
@@ -55,11 +57,19 @@ impl Textures {
         if let Some(&id) = self.known.get(&key) {
             return Ok(id);
         }
-        let texture = decode(name, &bytes()?, meaning, &mut self.warnings)?;
-        let id = u32::try_from(self.first + self.list.len()).expect("fewer than 2³² textures");
-        self.list.push(texture);
-        self.known.insert(key, TextureId(id));
-        Ok(TextureId(id))
+        let (texture, decoded) = decode(name, &bytes()?, meaning, &mut self.warnings)?;
+        // An image that is read as a colour and as an opacity is held once.
+        let decoded = (name.to_path_buf(), decoded);
+        let id = if let Some(&id) = self.known.get(&decoded) {
+            id
+        } else {
+            let id = u32::try_from(self.first + self.list.len()).expect("fewer than 2³² textures");
+            self.list.push(texture);
+            self.known.insert(decoded, TextureId(id));
+            TextureId(id)
+        };
+        self.known.insert(key, id);
+        Ok(id)
     }
 
     /// All of them in the order of their ids, and what is to be said of them.
@@ -68,13 +78,14 @@ impl Textures {
     }
 }
 
-/// Decodes an image; `name` is for messages.
+/// Decodes an image; `name` is for messages. An opacity with an alpha channel is that of a colour: the meaning that is
+/// returned says as what the image was decoded.
 fn decode(
     name: &Path,
     bytes: &[u8],
     meaning: Meaning,
     warnings: &mut Vec<String>,
-) -> Result<Texture, InputError> {
+) -> Result<(Texture, Meaning), InputError> {
     const FORMATS: &str = "a PNG, JPEG, Radiance HDR or OpenEXR image";
     let format = image::guess_format(bytes)
         .map_err(|_| InputError::file(name, "is not an image of a known format", FORMATS))?;
@@ -99,22 +110,42 @@ fn decode(
     let mut decoder = reader();
     decoder.limits(Limits::no_limits());
     let image = decoder.decode().map_err(failed)?;
-    let channels = image.color().channel_count();
-    if channels < 3 && meaning != Meaning::Color {
-        let what = match meaning {
-            Meaning::Vector => "three channels: a normal map's x, y and z",
-            _ => "three channels: roughness is green, metallic blue",
-        };
-        let s = if channels == 1 { "" } else { "s" };
-        let problem = format!("has {channels} channel{s}");
-        return Err(InputError::file(name, problem, what));
-    }
-    Ok(Texture {
+    let meaning = match meaning {
+        Meaning::Opacity if image.color().has_alpha() => Meaning::Color,
+        other => other,
+    };
+    check_channels(name, image.color().channel_count(), meaning)?;
+    let texture = Texture {
         source: name.display().to_string(),
         width,
         height,
         texels: texels(name, image, meaning, warnings),
-    })
+    };
+    Ok((texture, meaning))
+}
+
+/// Checks that an image has the `channels` that its meaning asks for.
+fn check_channels(name: &Path, channels: u8, meaning: Meaning) -> Result<(), InputError> {
+    let (holds, what) = match meaning {
+        Meaning::Color => (true, ""),
+        Meaning::Data => (
+            channels >= 3,
+            "three channels: roughness is green, metallic blue",
+        ),
+        Meaning::Vector => (channels >= 3, "three channels: a normal map's x, y and z"),
+        Meaning::Opacity => (channels == 1, "an alpha channel, or one channel alone"),
+    };
+    if holds {
+        return Ok(());
+    }
+    let s = if channels == 1 { "" } else { "s" };
+    let alpha = if meaning == Meaning::Opacity {
+        " and no alpha"
+    } else {
+        ""
+    };
+    let problem = format!("has {channels} channel{s}{alpha}");
+    Err(InputError::file(name, problem, what))
 }
 
 fn texels(
@@ -124,6 +155,15 @@ fn texels(
     warnings: &mut Vec<String>,
 ) -> Texels {
     let encoded = meaning == Meaning::Color;
+    if meaning == Meaning::Opacity {
+        // Of one channel, which becomes the alpha of white.
+        let words = image.into_luma16();
+        let texel = |p: &image::Luma<u16>| {
+            let alpha = f16::from_f64(f64::from(p.0[0]) / 65_535.0);
+            [f16::ONE, f16::ONE, f16::ONE, alpha]
+        };
+        return Texels::Halves(words.pixels().map(texel).collect());
+    }
     match image.color() {
         ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
             let bytes = image.into_rgba8();
@@ -159,7 +199,9 @@ fn texels(
             let floats = image.into_rgba32f();
             let texel = |p: [f32; 4]| {
                 bad += usize::from(p.iter().any(|c| !(0.0..=MAX_HALF).contains(c)));
-                p.map(|c| f16::from_f32(if c > 0.0 { c.min(MAX_HALF) } else { 0.0 }))
+                let [r, g, b, a] = p;
+                [r, g, b, a.min(1.0)]
+                    .map(|c| f16::from_f32(if c > 0.0 { c.min(MAX_HALF) } else { 0.0 }))
             };
             let halves = floats.pixels().map(|p| p.0).map(texel).collect();
             if bad > 0 {
@@ -183,13 +225,14 @@ fn srgb(encoded: f64) -> f64 {
     }
 }
 
-/// What varies nothing becomes a factor: textures of one value, and normal maps that are flat.
+/// What varies nothing becomes a factor: textures of one value, normal maps that are flat, and masks that stop all rays or
+/// none.
 pub(super) fn fold_constant(materials: &mut [Material], textures: &[Texture]) {
     for material in materials {
         let maps = &mut material.textures;
         let constant = |u: &Option<TextureUse>| textures[u.as_ref()?.texture.index()].constant();
         if let Some(value) = constant(&maps.color) {
-            material.bsdf.scale_color(value.truncate());
+            material.bsdf.scale_color(value);
             maps.color = None;
         }
         if let Some(value) = constant(&maps.metallic_roughness) {
@@ -197,14 +240,17 @@ pub(super) fn fold_constant(materials: &mut [Material], textures: &[Texture]) {
             maps.metallic_roughness = None;
         }
         // Half lies between 127 and 128: either is meant by it.
-        let flat = |value: glam::DVec4| {
-            let off = value.truncate() - DVec3::new(0.5, 0.5, 1.0);
+        let flat = |value: DVec3| {
+            let off = value - DVec3::new(0.5, 0.5, 1.0);
             off.abs().max_element() <= 0.6 / 255.0
         };
         let normal = maps.normal.map(|map| map.texture);
         if constant(&normal).is_some_and(flat) {
             maps.normal = None;
         }
+        let opacity = &mut material.opacity;
+        let alphas = |t: TextureUse| textures[t.texture.index()].alpha_range();
+        *opacity = opacity.folded(opacity.texture.map_or([1.0; 2], alphas));
     }
 }
 
@@ -214,7 +260,7 @@ pub(super) fn fold_constant_emission(shapes: &mut [Shape], textures: &[Texture])
     for emission in emissions {
         let texture = emission.texture.map(|u| &textures[u.texture.index()]);
         if let Some(value) = texture.and_then(Texture::constant) {
-            emission.radiance *= value.truncate();
+            emission.radiance *= value;
             emission.texture = None;
         }
     }

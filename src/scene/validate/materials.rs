@@ -24,7 +24,7 @@ pub(super) fn textures(file: &Path, material: &Material, count: usize) -> Outcom
         let field = format!("materials.{}.textures{key}", material.name);
         Err(InputError::new(file, field, problem, expected))
     };
-    for texture in maps.uses() {
+    for texture in material.texture_uses() {
         if texture.texture.index() >= count {
             let problem = format!("is texture {} of {count}", texture.texture.0);
             return error("", problem, "an index into the scene's textures");
@@ -61,6 +61,12 @@ pub(super) fn check(file: &Path, material: &Material) -> Outcome {
         file,
         name: &material.name,
     };
+    check.number(material.opacity.factor, "opacity")?;
+    if let Some(cutoff) = material.opacity.cutoff {
+        let holds = cutoff.is_finite() && cutoff >= 0.0;
+        let expected = "a finite number, not negative: the least opacity that is opaque";
+        check.require(holds, "alpha_cutoff", cutoff, expected)?;
+    }
     match material.bsdf {
         Bsdf::Lambert { reflectance } | Bsdf::Mirror { reflectance } => {
             check.colour(reflectance, "reflectance")

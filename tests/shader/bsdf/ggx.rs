@@ -253,7 +253,10 @@ fn visible_normals_match_pdf() {
                     histogram::directions_p_value(&swapped, pdf)
                 }
                 // These are about choosing among lights and strategies.
-                BrokenTwin::LightLeftOut | BrokenTwin::MisWeights | BrokenTwin::RaysForgotten => {
+                BrokenTwin::LightLeftOut
+                | BrokenTwin::MisWeights
+                | BrokenTwin::RaysForgotten
+                | BrokenTwin::OpaqueShadows => {
                     continue;
                 }
             };
@@ -325,7 +328,8 @@ fn visible_normals_integrate_to_one() {
                 BrokenTwin::SwappedSinCos
                 | BrokenTwin::LightLeftOut
                 | BrokenTwin::MisWeights
-                | BrokenTwin::RaysForgotten => {
+                | BrokenTwin::RaysForgotten
+                | BrokenTwin::OpaqueShadows => {
                     continue;
                 }
             };

@@ -89,7 +89,8 @@ fn lambert_samples_match_pdf() {
             BrokenTwin::SwappedSinCos
             | BrokenTwin::LightLeftOut
             | BrokenTwin::MisWeights
-            | BrokenTwin::RaysForgotten => {
+            | BrokenTwin::RaysForgotten
+            | BrokenTwin::OpaqueShadows => {
                 continue;
             }
         };

@@ -210,6 +210,7 @@ fn pairs_of_hashes_are_uniform() {
                 | BrokenTwin::LightLeftOut
                 | BrokenTwin::MisWeights
                 | BrokenTwin::RaysForgotten
+                | BrokenTwin::OpaqueShadows
                 | BrokenTwin::ExtraCosine => None,
             });
         }

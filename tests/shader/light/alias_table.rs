@@ -150,6 +150,7 @@ fn alias_choices_match_pmf() {
             | BrokenTwin::SwappedSinCos
             | BrokenTwin::MisWeights
             | BrokenTwin::RaysForgotten
+            | BrokenTwin::OpaqueShadows
             | BrokenTwin::ExtraCosine => None,
         });
     }

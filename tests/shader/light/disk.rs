@@ -126,6 +126,7 @@ fn disk_area_samples_match_pdf() {
         | BrokenTwin::LightLeftOut
         | BrokenTwin::MisWeights
         | BrokenTwin::RaysForgotten
+        | BrokenTwin::OpaqueShadows
         | BrokenTwin::ExtraCosine => None,
     });
 }

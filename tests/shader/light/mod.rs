@@ -10,6 +10,7 @@ mod disk;
 mod emission;
 mod environment;
 mod light;
+mod opacity;
 mod polygon;
 mod rectangle;
 mod seen;

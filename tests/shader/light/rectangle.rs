@@ -83,6 +83,7 @@ fn rectangle_area_samples_match_pdf() {
         | BrokenTwin::LightLeftOut
         | BrokenTwin::MisWeights
         | BrokenTwin::RaysForgotten
+        | BrokenTwin::OpaqueShadows
         | BrokenTwin::ExtraCosine => None,
     });
 }

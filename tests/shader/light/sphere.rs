@@ -92,7 +92,10 @@ fn sphere_area_samples_match_pdf() {
         BrokenTwin::SwappedSinCos => Some(test(&|w| pdf(w) * w.z.abs() / sin(w))),
         BrokenTwin::ExtraCosine => Some(test(&|w| 2.0 * pdf(w) * w.z.abs())),
         // These are about choosing among lights and strategies.
-        BrokenTwin::LightLeftOut | BrokenTwin::MisWeights | BrokenTwin::RaysForgotten => None,
+        BrokenTwin::LightLeftOut
+        | BrokenTwin::MisWeights
+        | BrokenTwin::RaysForgotten
+        | BrokenTwin::OpaqueShadows => None,
     });
 }
 

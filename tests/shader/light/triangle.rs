@@ -100,6 +100,7 @@ fn triangle_area_samples_match_pdf() {
         | BrokenTwin::LightLeftOut
         | BrokenTwin::MisWeights
         | BrokenTwin::RaysForgotten
+        | BrokenTwin::OpaqueShadows
         | BrokenTwin::ExtraCosine => None,
     });
 }

@@ -3,6 +3,7 @@
 mod attributes;
 mod bindings;
 mod fetch;
+mod opacity;
 mod surface;
 mod texture;
 mod trace;

@@ -11,6 +11,7 @@ use direkt::reference::Twin;
 use direkt::reference::core::ray::{Hit, Ray};
 use direkt::reference::light::sphere::sample_sphere_area;
 use direkt::reference::scene::fetch::World;
+use direkt::reference::scene::opacity::Crossings;
 use direkt::reference::scene::trace::{any_hit, closest_hit, intersect_primitive};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -100,11 +101,11 @@ fn check_scene(name: &str) {
     let expected: Vec<_> = rays
         .par_iter()
         .map(|(ray, limit)| {
-            let hit = closest_hit(world, ray);
+            let hit = closest_hit(world, ray, Crossings::OPAQUE);
             let brute = brute_force(world, ray);
             // Where two primitives meet the ray at the same parameter, either is the nearest.
             assert_eq!(hit.map(|h| h.t), brute.map(|h| h.t), "{name}: {ray:?}");
-            (hit, any_hit(world, ray, *limit))
+            (hit, any_hit(world, ray, Crossings::OPAQUE, *limit))
         })
         .collect();
     let (mut flips, mut any_flips, mut hits) = (0, 0, 0);

@@ -1,12 +1,16 @@
-//! Materials: the factors of the metallic-roughness model, and emission.
+//! Materials: the factors of the metallic-roughness model, opacity and emission.
 
 use super::document::Document;
 use super::textures::{Named, texture_use};
 use crate::error::InputError;
 use crate::scene::load::texture::{Meaning, Textures};
 use crate::scene::material::DielectricLayer;
-use crate::scene::{Bsdf, Emission, Material, MaterialId, MaterialTextures, NormalMap};
+use crate::scene::{
+    Bsdf, Emission, Material, MaterialId, MaterialTextures, NormalMap, Opacity, TextureUse,
+};
 use glam::DVec3;
+use gltf::json::material::AlphaMode;
+use gltf::json::validation::Checked;
 use std::collections::BTreeMap;
 
 /// The materials that shapes use, converted when the first does.
@@ -92,6 +96,7 @@ impl<'a> Materials<'a> {
         }
         let layer = dielectric_layer(document, json, &name)?;
         let textures = self.textures_of(json, &name)?;
+        let opacity = opacity(document, json, &name, textures.color)?;
         let material = Material {
             name: json.name.clone().unwrap_or_else(|| name.clone()),
             bsdf: Bsdf::MetallicRoughness {
@@ -103,6 +108,7 @@ impl<'a> Materials<'a> {
             // Light leaves a body of glass through the back of its surface.
             double_sided: json.double_sided || (layer.transmission > 0.0 && !layer.thin),
             textures,
+            opacity,
         };
         let mut emission = emission(document, json, &name)?;
         if let (Some(emission), Some(named)) = (&mut emission, Named::of_emission(json)) {
@@ -208,6 +214,40 @@ fn dielectric_layer(
     Ok(layer)
 }
 
+/// What `alphaMode` makes of the base colour's alpha (glTF 2.0, section 3.9.4); `color` is the base colour's texture.
+fn opacity(
+    document: &Document,
+    json: &gltf::json::Material,
+    name: &str,
+    color: Option<TextureUse>,
+) -> Result<Opacity, InputError> {
+    let error = |what: &str, value: f32, expected: &str| {
+        document.error(format!("{name}.{what}"), format!("is {value}"), expected)
+    };
+    let cutoff = match json.alpha_mode {
+        Checked::Valid(AlphaMode::Mask) => Some(json.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0)),
+        Checked::Valid(AlphaMode::Blend) => None,
+        Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => return Ok(Opacity::default()),
+    };
+    let factor = json.pbr_metallic_roughness.base_color_factor.0[3];
+    if !(0.0..=1.0).contains(&factor) {
+        let field = "pbrMetallicRoughness.baseColorFactor";
+        return Err(error(field, factor, "a number from 0 to 1"));
+    }
+    if let Some(cutoff) = cutoff.filter(|c| !(c.is_finite() && *c >= 0.0)) {
+        return Err(error(
+            "alphaCutoff",
+            cutoff,
+            "a finite number, not negative",
+        ));
+    }
+    Ok(Opacity {
+        factor: factor.into(),
+        texture: color,
+        cutoff: cutoff.map(f64::from),
+    })
+}
+
 /// Emissive factor times strength; the back of a double-sided material emits as well.
 fn emission(
     document: &Document,
@@ -256,5 +296,6 @@ fn default_material() -> Material {
         },
         double_sided: false,
         textures: MaterialTextures::default(),
+        opacity: Opacity::default(),
     }
 }

@@ -7,7 +7,7 @@ use super::nodes::Placed;
 use super::primitives::coordinate_set;
 use super::textures::Named;
 use gltf::json;
-use gltf::json::material::{AlphaMode, Material};
+use gltf::json::material::Material;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 
@@ -154,18 +154,6 @@ fn material_warnings(document: &Document, materials: &Materials, warnings: &mut 
         warnings.push(format!(
             "{file}: occlusionTexture of {count} material{s} is ignored, shadow rays are traced instead"
         ));
-    }
-    for (mode, name) in [(AlphaMode::Mask, "MASK"), (AlphaMode::Blend, "BLEND")] {
-        let count = used
-            .iter()
-            .filter(|m| m.alpha_mode == Checked::Valid(mode))
-            .count();
-        if count > 0 {
-            let s = if count == 1 { "" } else { "s" };
-            warnings.push(format!(
-                "{file}: alphaMode {name} of {count} material{s} is not supported: rendered opaque"
-            ));
-        }
     }
 }
 

@@ -56,7 +56,8 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
     for (name, table) in file.materials {
         let id = MaterialId(u32::try_from(materials.len()).expect("fewer than 2³² materials"));
         let maps = textures::of_material(&context, &name, &table.textures, &mut textures)?;
-        let material = material_tables::material(&context, name.clone(), &table, maps)?;
+        let opacity = textures::opacity(&context, &name, &table, &mut textures)?;
+        let material = material_tables::material(&context, name.clone(), &table, (maps, opacity))?;
         materials.push(material);
         context.material_ids.insert(name, id);
     }

@@ -22,6 +22,12 @@ pub(super) struct MaterialTable {
     /// ellipse of it, a mesh has texture coordinates; spheres have none.
     #[serde(default)]
     pub(super) textures: TexturesTable,
+    /// Probability with which the surface stops a ray that meets it, 0 to 1; else the ray passes straight through. 1 when
+    /// left out.
+    #[serde(default = "one")]
+    pub(super) opacity: f64,
+    /// Makes a mask of the opacity: where it reaches this number the surface is opaque, elsewhere it does not exist.
+    pub(super) alpha_cutoff: Option<f64>,
 }
 
 fn yes() -> bool {

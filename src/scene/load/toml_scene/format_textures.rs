@@ -17,6 +17,8 @@ pub(super) struct TexturesTable {
     pub(super) normal: Option<TextureTable>,
     /// Factor on x and y of the normal map; 1 when left out.
     pub(super) normal_scale: Option<f64>,
+    /// Factor on `opacity`: the image's alpha channel, or of an image with one channel that one, as it is.
+    pub(super) opacity: Option<TextureTable>,
 }
 
 /// A texture.

@@ -4,7 +4,7 @@ use super::build::Context;
 use super::format_materials::{ConductorTable, MaterialKind, MaterialTable};
 use crate::error::InputError;
 use crate::scene::material::DielectricLayer;
-use crate::scene::{Bsdf, Material, MaterialTextures};
+use crate::scene::{Bsdf, Material, MaterialTextures, Opacity};
 use glam::DVec3;
 
 /// The material `name`.
@@ -12,7 +12,7 @@ pub(super) fn material(
     context: &Context,
     name: String,
     table: &MaterialTable,
-    textures: MaterialTextures,
+    (textures, opacity): (MaterialTextures, Opacity),
 ) -> Result<Material, InputError> {
     let bsdf = match &table.kind {
         MaterialKind::Lambert(t) => Bsdf::Lambert {
@@ -50,6 +50,7 @@ pub(super) fn material(
         bsdf,
         double_sided: table.double_sided,
         textures,
+        opacity,
     })
 }
 

@@ -24,7 +24,10 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<SceneFile, InputError> {
 
 /// Tables with a `type`, and the keys that all their types share.
 const TAGGED: [(&str, &[&str]); 3] = [
-    ("materials", &["double_sided", "textures"]),
+    (
+        "materials",
+        &["double_sided", "textures", "opacity", "alpha_cutoff"],
+    ),
     ("shapes", &["name", "material", "emission", "transform"]),
     ("lights", &[]),
 ];

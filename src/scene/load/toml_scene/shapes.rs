@@ -9,7 +9,9 @@ use crate::error::InputError;
 use crate::scene::load::mesh;
 use crate::scene::load::texture::{Meaning, Textures};
 use crate::scene::load::transform;
-use crate::scene::{Bsdf, Emission, Geometry, Material, MaterialId, MaterialTextures, Shape};
+use crate::scene::{
+    Bsdf, Emission, Geometry, Material, MaterialId, MaterialTextures, Opacity, Shape,
+};
 use glam::DVec3;
 
 /// Geometry in the shape's own space, and what to add to its name.
@@ -129,6 +131,7 @@ fn add_default(materials: &mut Vec<Material>) -> MaterialId {
         },
         double_sided: true,
         textures: MaterialTextures::default(),
+        opacity: Opacity::default(),
     });
     id
 }

@@ -1,11 +1,12 @@
 //! The `textures` of a material.
 
 use super::build::Context;
+use super::format_materials::MaterialTable;
 use super::format_textures::{TextureTable, TexturesTable};
 use crate::error::InputError;
 use crate::scene::load::files;
 use crate::scene::load::texture::{Meaning, Textures};
-use crate::scene::{MaterialTextures, NormalMap, TextureUse};
+use crate::scene::{MaterialTextures, NormalMap, Opacity, TextureUse};
 use glam::{DAffine2, DVec2};
 
 /// The textures of the material `name`, read.
@@ -38,6 +39,23 @@ pub(super) fn of_material(
             texture,
             scale: table.normal_scale.unwrap_or(1.0),
         }),
+    })
+}
+
+/// The opacity of the material `name`, its texture read.
+pub(super) fn opacity(
+    context: &Context,
+    name: &str,
+    table: &MaterialTable,
+    textures: &mut Textures,
+) -> Result<Opacity, InputError> {
+    let field = format!("materials.{name}.textures.opacity");
+    let texture = table.textures.opacity.as_ref();
+    let texture = texture.map(|t| texture_use(context, t, &field, Meaning::Opacity, textures));
+    Ok(Opacity {
+        factor: table.opacity,
+        texture: texture.transpose()?,
+        cutoff: table.alpha_cutoff,
     })
 }
 

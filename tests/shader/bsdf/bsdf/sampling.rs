@@ -78,7 +78,10 @@ fn bsdf_samples_match_pdf() {
                     histogram::directions_p_value(&swapped, pdf)
                 }
                 // These are about choosing among lights and strategies.
-                BrokenTwin::LightLeftOut | BrokenTwin::MisWeights | BrokenTwin::RaysForgotten => {
+                BrokenTwin::LightLeftOut
+                | BrokenTwin::MisWeights
+                | BrokenTwin::RaysForgotten
+                | BrokenTwin::OpaqueShadows => {
                     continue;
                 }
             };
@@ -171,7 +174,8 @@ fn sampled_weights_have_the_exact_albedo() {
                     | BrokenTwin::SwappedSinCos
                     | BrokenTwin::LightLeftOut
                     | BrokenTwin::MisWeights
-                    | BrokenTwin::RaysForgotten => continue,
+                    | BrokenTwin::RaysForgotten
+                    | BrokenTwin::OpaqueShadows => continue,
                 };
                 statistics::reject(broken, &format!("{what}, {}", row.name));
             }

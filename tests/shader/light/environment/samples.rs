@@ -84,6 +84,7 @@ fn environment_cell_samples_match_pdf() {
             | BrokenTwin::LightLeftOut
             | BrokenTwin::MisWeights
             | BrokenTwin::RaysForgotten
+            | BrokenTwin::OpaqueShadows
             | BrokenTwin::ExtraCosine => None,
         });
     }
@@ -205,6 +206,7 @@ fn environment_samples_match_luminance_and_solid_angle() {
             | BrokenTwin::SwappedSinCos
             | BrokenTwin::MisWeights
             | BrokenTwin::RaysForgotten
+            | BrokenTwin::OpaqueShadows
             | BrokenTwin::ExtraCosine => None,
         });
         let total: f64 = (0..height)

@@ -193,7 +193,8 @@ fn directions_match_pdf(prepared: &Prepared) -> usize {
                     BrokenTwin::LightLeftOut
                     | BrokenTwin::SwappedSinCos
                     | BrokenTwin::MisWeights
-                    | BrokenTwin::RaysForgotten => continue,
+                    | BrokenTwin::RaysForgotten
+                    | BrokenTwin::OpaqueShadows => continue,
                 };
                 statistics::reject(broken, &format!("{what}, {}", row.name));
             }

@@ -165,6 +165,7 @@ fn lights_are_chosen_at_their_probability() {
                 | BrokenTwin::SwappedSinCos
                 | BrokenTwin::MisWeights
                 | BrokenTwin::RaysForgotten
+                | BrokenTwin::OpaqueShadows
                 | BrokenTwin::ExtraCosine => continue,
             };
             statistics::reject(broken, &format!("{what}, {}", row.name));

@@ -73,7 +73,8 @@ fn directions_towards_the_environment_match_pdf() {
                 BrokenTwin::LightLeftOut
                 | BrokenTwin::SwappedSinCos
                 | BrokenTwin::MisWeights
-                | BrokenTwin::RaysForgotten => {
+                | BrokenTwin::RaysForgotten
+                | BrokenTwin::OpaqueShadows => {
                     continue;
                 }
             };

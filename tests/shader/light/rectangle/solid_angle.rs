@@ -306,6 +306,7 @@ fn assert_uniform(samples: &[DVec2], by_area: Option<impl Fn(DVec2) -> f64>, wha
         | BrokenTwin::LightLeftOut
         | BrokenTwin::MisWeights
         | BrokenTwin::ExtraCosine
-        | BrokenTwin::RaysForgotten => None,
+        | BrokenTwin::RaysForgotten
+        | BrokenTwin::OpaqueShadows => None,
     });
 }

@@ -153,7 +153,8 @@ fn directions_to_triangles_match_pdf() {
             | BrokenTwin::LightLeftOut
             | BrokenTwin::MisWeights
             | BrokenTwin::ExtraCosine
-            | BrokenTwin::RaysForgotten => None,
+            | BrokenTwin::RaysForgotten
+            | BrokenTwin::OpaqueShadows => None,
         });
     }
 }
