@@ -1,10 +1,12 @@
 //! Everything that emits, as one list, and which of it light sampling chooses.
 
 mod environment;
+mod light_groups;
 mod selection;
 pub mod tree;
 
 pub use environment::EnvironmentGrid;
+pub use light_groups::EmitterGroups;
 pub use selection::Selection;
 pub use tree::LightTree;
 
@@ -42,6 +44,8 @@ pub struct Emitters {
     pub selection: Option<Selection>,
     /// How a direction towards the environment map is chosen, where there is a map that emits.
     pub environment: Option<EnvironmentGrid>,
+    /// Their groups, where the image keeps these apart.
+    pub groups: EmitterGroups,
 }
 
 /// Rec. 709 luminance.
@@ -67,6 +71,7 @@ impl Emitters {
     ) -> Self {
         let mut lights = Vec::new();
         let mut power = Vec::new();
+        let mut groups = Vec::new();
         for (index, primitive) in primitives.iter().enumerate() {
             let Some(emission) = scene.shapes[primitive.shape.index()].emission else {
                 continue;
@@ -79,14 +84,16 @@ impl Emitters {
                     radiance: emission.radiance,
                     two_sided: emission.two_sided,
                 });
+                groups.push(scene.light_groups.of_shape(primitive.shape));
             }
         }
-        for light in &scene.lights {
+        for (index, light) in scene.lights.iter().enumerate() {
             let light = normalized(light, normalization);
             let of_light = delta_power(&light, normalization.radius);
             if of_light > 0.0 {
                 power.push(of_light);
                 lights.push(Emitter::Delta(light));
+                groups.push(scene.light_groups.of_light(index));
             }
         }
         let mut grid = None;
@@ -95,6 +102,7 @@ impl Emitters {
             if of_environment > 0.0 {
                 power.push(of_environment);
                 lights.push(Emitter::Environment);
+                groups.push(scene.light_groups.of_environment());
                 if let EnvironmentRadiance::Map(map) = &environment.radiance {
                     grid = if scene.render.mis_compensation && strategy.is_mis() {
                         EnvironmentGrid::compensated(map)
@@ -122,6 +130,7 @@ impl Emitters {
             selection: tree.map(Selection::Tree).or_else(table),
             lights,
             environment: grid,
+            groups: EmitterGroups::new(scene, &groups),
         }
     }
 

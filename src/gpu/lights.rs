@@ -1,8 +1,8 @@
 //! Lights as the GPU reads them: the formats of `shaders/scene/fetch.wesl` and of what lights are chosen by.
 
 use super::layout::{
-    LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE,
-    LIGHT_SPOT, LIGHT_TRIANGLE, SKEWED_BIT, TWO_SIDED_BIT,
+    LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_GROUP_SHIFT, LIGHT_POINT,
+    LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, SKEWED_BIT, TWO_SIDED_BIT,
 };
 use super::scene_buffers::{Word, bits, word};
 use crate::accel::PrimitiveGeometry;
@@ -38,7 +38,7 @@ pub(super) fn light_words(prepared: &Prepared) -> Vec<Word> {
         .enumerate()
         .flat_map(|(index, emitter)| {
             let samples = bits(prepared.light_samples(index));
-            match *emitter {
+            let mut words = match *emitter {
                 Emitter::Area {
                     primitive,
                     radiance,
@@ -56,7 +56,9 @@ pub(super) fn light_words(prepared: &Prepared) -> Vec<Word> {
                     [0; 4],
                     [0; 4],
                 ],
-            }
+            };
+            words[0][3] |= prepared.emitters.groups.of_light(index) << LIGHT_GROUP_SHIFT;
+            words
         });
     words.collect()
 }

@@ -10,9 +10,12 @@ mod readback;
 
 use super::film::Film;
 use super::prepare::{Patterns, Prepared};
+use crate::effects::Effect;
 use crate::error::GpuError;
-use crate::gpu::kernel::{DIRECT, RegionBindings, SceneBindings, SceneKernel};
-use crate::gpu::layout::{BLOCK_SAMPLES, Dispatch, Frame, PixelState, TILE, TILE_PIXELS};
+use crate::gpu::kernel::{DIRECT, PassBuffers, RegionBindings, SceneBindings, SceneKernel};
+use crate::gpu::layout::{
+    BLOCK_SAMPLES, Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS,
+};
 use crate::gpu::scene_buffers::{self, SceneBuffers};
 use crate::gpu::shader::Config;
 use crate::gpu::{Context, GpuBuffer};
@@ -67,6 +70,8 @@ struct Region {
     tiles: u32,
     pixels: GpuBuffer<PixelState>,
     staging: GpuBuffer<PixelState>,
+    /// The means of their groups of lights, and where these are read from.
+    light_groups: Option<[GpuBuffer<GroupMean>; 2]>,
     bindings: RegionBindings,
 }
 
@@ -149,8 +154,8 @@ impl<'a> Session<'a> {
         let buffers = SceneBuffers::new(context, prepared)?;
         let compile_start = Instant::now();
         let config = Config {
-            stack_depth: prepared.stack_depth(),
             stamp,
+            ..Config::of(prepared)
         };
         let kernel = SceneKernel::new(context, &DIRECT, &prepared.effects, config)?;
         let device = &context.device;
@@ -170,6 +175,8 @@ impl<'a> Session<'a> {
                 | wgpu::BufferUsages::COPY_DST,
         );
         let read = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let groups = light_groups(prepared);
+        let region_tiles = region_tiles.min(most_tiles(context, groups));
         let regions = context.checked(|| {
             let tiles = film.width.div_ceil(TILE) * film.height.div_ceil(TILE);
             let firsts = (0..tiles).step_by(region_tiles as usize);
@@ -180,10 +187,27 @@ impl<'a> Session<'a> {
                     | wgpu::BufferUsages::COPY_SRC
                     | wgpu::BufferUsages::COPY_DST;
                 let pixels = GpuBuffer::zeroed(device, "direct.pixels", count, usage);
+                let light_groups = (groups > 0).then(|| {
+                    let buffer = |label, usage| {
+                        GpuBuffer::zeroed(device, label, count * groups as usize, usage)
+                    };
+                    [
+                        buffer("direct.light_groups", usage),
+                        buffer("direct.light_groups.staging", read),
+                    ]
+                });
+                let pass = PassBuffers {
+                    frame: &frame,
+                    dispatch: &dispatch,
+                    pixels: &pixels,
+                    unfinished: &unfinished,
+                    light_groups: light_groups.as_ref().map(|[groups, _]| groups),
+                };
                 Region {
                     first_tile,
                     tiles,
-                    bindings: kernel.bind_region(device, &frame, &dispatch, &pixels, &unfinished),
+                    bindings: kernel.bind_region(device, &pass),
+                    light_groups,
                     pixels,
                     staging: GpuBuffer::zeroed(device, "direct.pixels.staging", count, read),
                 }
@@ -200,7 +224,7 @@ impl<'a> Session<'a> {
             unfinished,
             unfinished_staging: GpuBuffer::zeroed(device, "direct.unfinished.staging", 1, read),
             regions,
-            film: Film::new(film, prepared.scene.render.sampler),
+            film: Film::new(film, prepared.scene.render.sampler).with_light_groups(groups as usize),
             rays: RayCounts::default(),
             merged: 0,
             position: 0,
@@ -240,7 +264,8 @@ impl<'a> Session<'a> {
         self.close_block()?;
         self.merged = 0;
         self.rays = RayCounts::default();
-        self.film = Film::new(self.film.size, self.film.sampler);
+        self.film = Film::new(self.film.size, self.film.sampler)
+            .with_light_groups(self.film.light_groups.len());
         Ok(())
     }
 
@@ -382,10 +407,32 @@ impl<'a> Session<'a> {
                 .create_command_encoder(&Default::default());
             for region in &self.regions {
                 encoder.clear_buffer(region.pixels.raw(), 0, None);
+                if let Some([groups, _]) = &region.light_groups {
+                    encoder.clear_buffer(groups.raw(), 0, None);
+                }
             }
             self.context.queue.submit([encoder.finish()]);
         })
     }
+}
+
+/// Groups of lights that the kernel keeps apart.
+fn light_groups(prepared: &Prepared) -> u32 {
+    if prepared.effects.contains(Effect::LightGroups) {
+        prepared.emitters.groups.count()
+    } else {
+        0
+    }
+}
+
+/// Tiles of a region at most, so that the means of `groups` groups of lights fit one binding.
+fn most_tiles(context: &Context, groups: u32) -> u32 {
+    let limits = &context.limits;
+    let most = limits
+        .max_storage_buffer_binding_size
+        .min(limits.max_buffer_size);
+    let of_tile = u64::from(TILE_PIXELS) * u64::from(groups.max(1)) * size_of::<GroupMean>() as u64;
+    u32::try_from(most / of_tile).unwrap_or(u32::MAX).max(1)
 }
 
 /// Pixel-samples of the first dispatch.

@@ -26,7 +26,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<SceneFile, InputError> {
 const TAGGED: [(&str, &[&str]); 3] = [
     ("materials", &["double_sided", "textures"]),
     ("shapes", &["name", "material", "emission", "transform"]),
-    ("lights", &[]),
+    ("lights", &["group"]),
 ];
 
 /// Moves the keys that depend on the `type` into a table `kind.TYPE`: from there serde reads them as an enum, and

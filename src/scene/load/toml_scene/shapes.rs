@@ -5,7 +5,9 @@ use super::format_shapes::{BoxTable, MeshTable, RectangleTable, ShapeKind, Shape
 use crate::error::InputError;
 use crate::scene::load::mesh;
 use crate::scene::load::transform;
-use crate::scene::{Bsdf, Emission, Geometry, Material, MaterialId, MaterialTextures, Shape};
+use crate::scene::{
+    Bsdf, Emission, Geometry, Material, MaterialId, MaterialTextures, Shape, ShapeId,
+};
 use glam::DVec3;
 
 /// Geometry in the shape's own space, and what to add to its name.
@@ -29,6 +31,8 @@ pub(super) fn all(
             radiance: DVec3::from_array(e.radiance.0),
             two_sided: e.two_sided,
         });
+        let group = table.emission.as_ref().and_then(|e| e.group.as_deref());
+        let group = context.group(group, &format!("{field}.emission"))?;
         let to_world = placement(context, &table.transform, &field)?;
         let name = match &table.name {
             Some(name) => format!("{field}: {name}"),
@@ -42,6 +46,10 @@ pub(super) fn all(
             })?;
             if let Geometry::Mesh(mesh) = &mut geometry {
                 dropped += mesh::clean(mesh);
+            }
+            if let Some(group) = group {
+                let id = u32::try_from(shapes.len()).expect("fewer than 2³² shapes");
+                context.light_groups.add_shape(ShapeId(id), group);
             }
             shapes.push(Shape {
                 name: format!("{name}{part}"),
