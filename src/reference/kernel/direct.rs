@@ -95,6 +95,13 @@ impl<'a> Direct<'a> {
         &self.world
     }
 
+    /// The same estimator where only the lights of `group` shine; everything is sampled as before.
+    #[must_use]
+    pub fn with_light_group(mut self, group: u32) -> Self {
+        self.world.light_group = Some(group);
+        self
+    }
+
     /// The same estimator with other random numbers.
     #[must_use]
     pub fn with_seed(self, seed: u32) -> Self {

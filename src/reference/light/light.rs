@@ -90,13 +90,17 @@ pub fn sample_chosen_light(
     texel: u32,
 ) -> LightSample {
     let probability = choice.probability;
-    match &world.prepared.emitters.lights[choice.index as usize] {
+    let mut sample = match &world.prepared.emitters.lights[choice.index as usize] {
         Emitter::Area { .. } => {
             sample_area_light(&area_light(world, choice.index), probability, x, frame, u)
         }
         Emitter::Delta(light) => delta_light_sample(light, probability, x),
         Emitter::Environment => sample_environment(world, probability, x, u, texel),
+    };
+    if !world.shines(choice.index as usize) {
+        sample.radiance_over_pdf = DVec3::ZERO;
     }
+    sample
 }
 
 /// Radiance that the surface of a light emits towards a viewer on its front or back.
@@ -106,7 +110,7 @@ pub fn emitted_radiance(world: &World<'_>, light: u32, front: bool) -> DVec3 {
             radiance,
             two_sided,
             ..
-        } if front || two_sided => radiance,
+        } if (front || two_sided) && world.shines(light as usize) => radiance,
         _ => DVec3::ZERO,
     }
 }
@@ -145,6 +149,9 @@ pub fn environment_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
     let Some(environment) = &world.prepared.scene.environment else {
         return DVec3::ZERO;
     };
+    if !environment_light(world).is_none_or(|index| world.shines(index)) {
+        return DVec3::ZERO;
+    }
     let to_map = environment.rotation.transpose();
     environment.scale
         * match &environment.radiance {
@@ -157,12 +164,14 @@ pub fn environment_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
 
 /// Probability that light selection chooses the environment.
 fn environment_selection(world: &World<'_>) -> PdfDiscrete {
-    let emitters = &world.prepared.emitters;
-    let index = emitters
-        .lights
-        .iter()
-        .position(|l| *l == Emitter::Environment);
-    PdfDiscrete(index.map_or(0.0, |i| emitters.probability(i)))
+    let probability = |i| world.prepared.emitters.probability(i);
+    PdfDiscrete(environment_light(world).map_or(0.0, probability))
+}
+
+/// The environment's place among the lights.
+fn environment_light(world: &World<'_>) -> Option<usize> {
+    let mut lights = world.prepared.emitters.lights.iter();
+    lights.position(|l| *l == Emitter::Environment)
 }
 
 /// The cell of the environment's sampling grid in the unit direction `direction`, and its probability; `None` where the
