@@ -7,20 +7,19 @@
 
 pub(super) mod checkpoint;
 mod readback;
+mod region;
 
 use super::film::Film;
 use super::prepare::{Patterns, Prepared};
-use crate::effects::Effect;
 use crate::error::GpuError;
-use crate::gpu::kernel::{DIRECT, PassBuffers, RegionBindings, SceneBindings, SceneKernel};
-use crate::gpu::layout::{
-    BLOCK_SAMPLES, Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS,
-};
+use crate::gpu::kernel::{DIRECT, SceneBindings, SceneKernel};
+use crate::gpu::layout::{BLOCK_SAMPLES, Dispatch, Frame, TILE, TILE_PIXELS};
 use crate::gpu::scene_buffers::{self, SceneBuffers};
 use crate::gpu::shader::Config;
 use crate::gpu::{Context, GpuBuffer};
 use crate::scene::FilmSize;
 use checkpoint::Saved;
+use region::{Region, light_groups, most_tiles};
 use std::time::{Duration, Instant};
 
 /// Tiles of a region at most: 2²⁰ pixels, 48 MiB of states.
@@ -61,18 +60,6 @@ pub enum StopReason {
     Done,
     /// The caller asked to stop; pixels may differ in their number of samples.
     Interrupted,
-}
-
-/// Pixels whose states share one buffer.
-#[derive(Debug)]
-struct Region {
-    first_tile: u32,
-    tiles: u32,
-    pixels: GpuBuffer<PixelState>,
-    staging: GpuBuffer<PixelState>,
-    /// The means of their groups of lights, and where these are read from.
-    light_groups: Option<[GpuBuffer<GroupMean>; 2]>,
-    bindings: RegionBindings,
 }
 
 /// A render in progress.
@@ -180,37 +167,10 @@ impl<'a> Session<'a> {
         let regions = context.checked(|| {
             let tiles = film.width.div_ceil(TILE) * film.height.div_ceil(TILE);
             let firsts = (0..tiles).step_by(region_tiles as usize);
+            let shared = (&frame, &dispatch, &unfinished);
             let regions = firsts.map(|first_tile| {
                 let tiles = region_tiles.min(tiles - first_tile);
-                let count = (tiles * TILE_PIXELS) as usize;
-                let usage = wgpu::BufferUsages::STORAGE
-                    | wgpu::BufferUsages::COPY_SRC
-                    | wgpu::BufferUsages::COPY_DST;
-                let pixels = GpuBuffer::zeroed(device, "direct.pixels", count, usage);
-                let light_groups = (groups > 0).then(|| {
-                    let buffer = |label, usage| {
-                        GpuBuffer::zeroed(device, label, count * groups as usize, usage)
-                    };
-                    [
-                        buffer("direct.light_groups", usage),
-                        buffer("direct.light_groups.staging", read),
-                    ]
-                });
-                let pass = PassBuffers {
-                    frame: &frame,
-                    dispatch: &dispatch,
-                    pixels: &pixels,
-                    unfinished: &unfinished,
-                    light_groups: light_groups.as_ref().map(|[groups, _]| groups),
-                };
-                Region {
-                    first_tile,
-                    tiles,
-                    bindings: kernel.bind_region(device, &pass),
-                    light_groups,
-                    pixels,
-                    staging: GpuBuffer::zeroed(device, "direct.pixels.staging", count, read),
-                }
+                Region::new(device, &kernel, shared, (first_tile, tiles), groups)
             });
             regions.collect()
         })?;
@@ -414,25 +374,6 @@ impl<'a> Session<'a> {
             self.context.queue.submit([encoder.finish()]);
         })
     }
-}
-
-/// Groups of lights that the kernel keeps apart.
-fn light_groups(prepared: &Prepared) -> u32 {
-    if prepared.effects.contains(Effect::LightGroups) {
-        prepared.emitters.groups.count()
-    } else {
-        0
-    }
-}
-
-/// Tiles of a region at most, so that the means of `groups` groups of lights fit one binding.
-fn most_tiles(context: &Context, groups: u32) -> u32 {
-    let limits = &context.limits;
-    let most = limits
-        .max_storage_buffer_binding_size
-        .min(limits.max_buffer_size);
-    let of_tile = u64::from(TILE_PIXELS) * u64::from(groups.max(1)) * size_of::<GroupMean>() as u64;
-    u32::try_from(most / of_tile).unwrap_or(u32::MAX).max(1)
 }
 
 /// Pixel-samples of the first dispatch.

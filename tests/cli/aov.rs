@@ -21,7 +21,7 @@ fn channels(image: &FlatImage) -> BTreeMap<String, Vec<f32>> {
 
 fn attribute(image: &FlatImage, name: &str) -> Option<String> {
     let attributes = &image.layer_data[0].attributes.other;
-    let found = attributes.iter().find(|(key, _)| key.to_string() == name);
+    let found = attributes.iter().find(|(key, _)| **key == *name);
     found.map(|(_, value)| match value {
         AttributeValue::Text(text) => text.to_string(),
         other => panic!("{name} is {other:?}"),

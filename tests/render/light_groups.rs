@@ -1,6 +1,6 @@
 //! The light of groups of lights: together the image, each that of its lights alone, and absent where nobody asks.
 
-use crate::support::{context, prepared, scene, statistics, take};
+use crate::support::{context, point_light, prepared, scene, statistics, take};
 use direkt::gpu::Context;
 use direkt::reference::{BrokenTwin, Twin};
 use direkt::render::{Film, Prepared, Session};
@@ -34,11 +34,18 @@ fn by_turns(name: &str) -> Scene {
     scene
 }
 
+/// With a lamp of no group as well.
+fn with_a_lamp(mut scene: Scene) -> Scene {
+    let position = scene.camera.eye + 0.1 * scene.camera.up;
+    scene.lights.push(point_light(position, 2.0));
+    scene
+}
+
 fn scenes() -> Vec<(&'static str, Scene)> {
     vec![
         ("spot_and_sun", grouped("spot_and_sun")),
         ("veach", by_turns("veach")),
-        ("glass", by_turns("glass")),
+        ("glass", with_a_lamp(by_turns("glass"))),
         ("depth_of_field", by_turns("depth_of_field")),
     ]
 }
@@ -127,7 +134,7 @@ fn p_value(film: &Film, group: usize, samples: u64, [expected, variance]: [f64; 
 #[test]
 fn each_group_is_the_twins_with_its_lights_alone() {
     let context = context();
-    let mut broken_shown = 0;
+    let (mut broken_shown, mut swapped_shown) = (0, 0);
     for (name, mut scene) in scenes() {
         scene.render.sampler = Sampler::Independent;
         let prepared = prepared(scene);
@@ -140,19 +147,28 @@ fn each_group_is_the_twins_with_its_lights_alone() {
             let what = format!("{name}, group {of_group}, seeds 3 and 8");
             statistics::accept(p_value(&film, group, 64, twins[group]), &what);
             let other = twins[(group + 1) % names.len()];
-            statistics::reject(
-                p_value(&film, group, 64, other),
-                &format!("{what}: another"),
-            );
+            let p = p_value(&film, group, 64, other);
+            swapped_shown += usize::from(statistics::family().rejects(p));
             let broken = twin_mean(&prepared, group as u32, 64, Some(BrokenTwin::ExtraCosine));
             let p = p_value(&film, group, 64, broken);
             broken_shown += usize::from(statistics::family().rejects(p));
         }
     }
+    assert!(swapped_shown >= 6, "another group shows in {swapped_shown}");
     assert!(
         broken_shown >= 4,
         "an extra cosine shows in {broken_shown} groups"
     );
+}
+
+/// p-value of independent pixels having the mean `exact`.
+fn p_of_pixels(pixels: &[f64], exact: f64) -> f64 {
+    let mut moments = Moments::default();
+    for &pixel in pixels {
+        moments.push(pixel);
+    }
+    let variance = moments.variance_of_mean().expect("several pixels");
+    z_test(moments.mean, exact, variance, 2e-5 * exact).p_value
 }
 
 /// Exact values of the parts of `lights_add_up.toml`, whose lights are of one group each.
@@ -169,18 +185,21 @@ fn groups_have_their_exact_values() {
     let film = film(&context, &prepared, 256);
     let names = &prepared.emitters.groups.names;
     assert_eq!(names, &["square", "point", "sky", "default"]);
-    let means: Vec<f64> = film.light_groups.iter().map(|g| mean(g)).collect();
     // I cosθ ρ/(π d²) of 100 at distance 5 and cosine 4/5; E cosθ ρ/π of 10 at 60°.
     let pi = std::f64::consts::PI;
     let point = 100.0 * 0.8 * 0.5 / (25.0 * pi);
     let sun = 10.0 * 0.5 * 0.5 / pi;
-    assert!((means[1] - point).abs() < 0.03 * point, "{means:?}");
-    assert!((means[3] - sun).abs() < 0.03 * sun, "{means:?}");
-    let rest = means[0] + means[2];
-    assert!(
-        (rest - (total - point - sun)).abs() < 0.03 * rest,
-        "{means:?}"
-    );
+    let image = |groups: &[usize]| -> Vec<f64> {
+        let value = |i: usize| groups.iter().map(|&g| film.light_groups[g][i][1]).sum();
+        (0..film.pixels.len()).map(value).collect()
+    };
+    let rest = total - point - sun;
+    for (groups, exact) in [(&[1][..], point), (&[3], sun), (&[0, 2], rest)] {
+        let what = format!("{groups:?} of {names:?}");
+        statistics::accept(p_of_pixels(&image(groups), exact), &what);
+        let bright = p_of_pixels(&image(groups), 1.02 * exact);
+        statistics::reject(bright, &format!("{what}, 2 % brighter"));
+    }
 }
 
 #[test]
@@ -203,7 +222,7 @@ fn without_groups_shader_and_image_are_as_before() {
         "light_group",
         "group_radiance",
         "LIGHT_GROUP",
-        "albedo",
+        "record_features",
         "surface_records",
     ] {
         assert!(!wgsl.contains(absent), "{absent}");
