@@ -184,7 +184,8 @@ impl<'a> Session<'a> {
             unfinished,
             unfinished_staging: GpuBuffer::zeroed(device, "direct.unfinished.staging", 1, read),
             regions,
-            film: Film::new(film, prepared.scene.render.sampler).with_light_groups(groups as usize),
+            film: Film::new(film, prepared.scene.render.sampler)
+                .with_light_groups(prepared.emitters.groups.names.len()),
             rays: RayCounts::default(),
             merged: 0,
             position: 0,
