@@ -173,6 +173,8 @@ effects! {
     Orthographic "ORTHOGRAPHIC" "orthographic" Simulation |r| r.orthographic();
     /// Pixels that show something else than their own squares.
     PixelFilter "PIXEL_FILTER" "pixel-filter" Simulation |r| r.pixel_filter();
+    /// The light of groups of lights apart.
+    LightGroups "LIGHT_GROUPS" "light-groups" Simulation |r| r.light_groups();
 }
 
 impl Effect {

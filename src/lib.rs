@@ -81,9 +81,12 @@
 //! - **a BSDF**: a variant of [`scene::Bsdf`]; if it is not a case of the existing lobes, its `sample_`, `pdf_` and
 //!   `eval_` in `shaders/bsdf/` and its place in `shaders/bsdf/bsdf.wesl`, or in `shaders/bsdf/specular.wesl` where camera
 //!   rays go on in it.
+//! - **an AOV**: a variant of [`scene::Aov`], what it is made of in [`render::aov`] or in the film, its channels in
+//!   [`image::layers`], and its row in `docs/aov.md`.
 //!
 //! # What is awkward today
 //!
+//! - AOVs with rays of their own upload the scene a second time.
 //! - Glass passes no shadow rays, so that its shadows are black; transmission is smooth, and bodies do not absorb.
 //! - Emissive textures are read past, with a warning each, and vertex colours with their alpha.
 //! - Lights with an opacity are chosen as often as opaque ones.

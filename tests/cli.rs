@@ -1,5 +1,6 @@
 //! The commands, as a user runs them.
 
+mod aov;
 mod check;
 mod compare;
 mod cost;

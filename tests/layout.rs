@@ -1,6 +1,8 @@
 //! Host structs and constants against the shaders': every member's name, offset and size, by naga's reflection.
 
-use direkt::gpu::layout::{self, Dispatch, Frame, PixelState, SampleRecord};
+use direkt::gpu::layout::{
+    self, Dispatch, FeatureSums, Frame, PixelState, SampleRecord, SurfaceRecord,
+};
 use direkt::gpu::shader::{Config, link_with};
 use direkt::lab::layout::{LabBlock, LabRun};
 use std::mem::offset_of;
@@ -8,8 +10,9 @@ use std::mem::offset_of;
 /// A module that keeps all shared structs and constants alive.
 fn reflected() -> naga::Module {
     let names: Vec<&str> = layout::SHARED_CONSTANTS.iter().map(|c| c.name).collect();
-    let mut source =
-        String::from("import package::types::{Frame, Dispatch, PixelState, SampleRecord};\n");
+    let mut source = String::from(
+        "import package::types::{Frame, Dispatch, FeatureSums, PixelState, SampleRecord, SurfaceRecord};\n",
+    );
     for c in layout::SHARED_CONSTANTS {
         source += &format!("import package::{}::{};\n", c.module, c.name);
     }
@@ -17,8 +20,10 @@ fn reflected() -> naga::Module {
                @group(0) @binding(1) var<storage, read_write> work: Dispatch;\n\
                @group(0) @binding(2) var<storage, read_write> state: PixelState;\n\
                @group(0) @binding(3) var<storage, read_write> record: SampleRecord;\n\
+               @group(0) @binding(4) var<storage, read_write> sums: FeatureSums;\n\
+               @group(0) @binding(5) var<storage, read_write> surface: SurfaceRecord;\n\
                @compute @workgroup_size(1) fn main() {\n\
-               frame.width = work.first_tile + state.samples + record.shadow;\n";
+               frame.width = work.first_tile + state.samples + record.shadow + sums.samples + surface.primitive;\n";
     source += &format!("frame.height = {};\n}}\n", names.join(" + "));
     let wgsl = link_with("test_layout", Some(&source), [], Config::default()).unwrap();
     naga::front::wgsl::parse_str(&wgsl).unwrap()
@@ -109,7 +114,7 @@ fn structs_have_the_same_members() {
         first_sun,
         suns,
         environment_linear,
-        frame_padding,
+        first_emission,
     });
     let dispatch = members!(Dispatch {
         block_start,
@@ -139,6 +144,25 @@ fn structs_have_the_same_members() {
         by_bsdf,
         bsdf_primitive,
     });
+    let sums = members!(FeatureSums {
+        albedo,
+        samples,
+        normal,
+        padding,
+    });
+    let surface = members!(SurfaceRecord {
+        position,
+        primitive,
+        normal,
+        padding,
+    });
+    check(&module, "FeatureSums", size_of::<FeatureSums>(), &sums);
+    check(
+        &module,
+        "SurfaceRecord",
+        size_of::<SurfaceRecord>(),
+        &surface,
+    );
     check(&module, "SampleRecord", size_of::<SampleRecord>(), &record);
     check(&module, "Frame", size_of::<Frame>(), &frame);
     check(&module, "Dispatch", size_of::<Dispatch>(), &dispatch);

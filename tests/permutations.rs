@@ -10,6 +10,8 @@ use direkt::scene::{LightSelection, ShadowPattern, Strategy};
 const CONFIG: Config = Config {
     stack_depth: 16,
     stamp: 1,
+    light_groups: 2,
+    environment_group: 1,
 };
 
 fn validate(effects: &Effects, what: &str) -> String {

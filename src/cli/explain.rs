@@ -4,11 +4,12 @@ mod text;
 
 use super::cost::{Bar, or, parse_duration};
 use super::interrupt::Interrupt;
-use super::settings::{AssetArguments, EstimatorArguments};
+use super::settings::{AovArguments, AssetArguments, EstimatorArguments};
 use super::{AdapterArgument, JsonArgument, print};
 use crate::drawing::raster;
 use crate::effects::Effect;
 use crate::error::Error;
+use crate::explain::aov::{self, AovCost};
 use crate::explain::memory::{self, Memory};
 use crate::explain::plot;
 use crate::explain::price::{self, Prices};
@@ -55,6 +56,8 @@ pub struct Arguments {
     #[command(flatten)]
     estimator: EstimatorArguments,
     #[command(flatten)]
+    aov: AovArguments,
+    #[command(flatten)]
     adapter: AdapterArgument,
     #[command(flatten)]
     json: JsonArgument,
@@ -77,6 +80,7 @@ struct Report {
     bvh_nodes: usize,
     bvh_depth: usize,
     lights: usize,
+    aovs: Vec<AovCost>,
     environment: Option<EnvironmentSampling>,
     mis_compensation_unused: Option<String>,
     biased: Option<String>,
@@ -109,14 +113,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     };
     arguments.check_output()?;
     let mut scene = arguments.assets.load(path)?;
+    arguments.aov.apply(&mut scene);
     arguments.estimator.apply(&mut scene)?;
     let settings = scene.render;
     let mut prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
-    let config = Config {
-        stack_depth: prepared.stack_depth(),
-        ..Config::default()
-    };
-    let wgsl = shader::link("kernel::direct", prepared.effects.features(), config)?;
+    let features = prepared.effects.features();
+    let wgsl = shader::link("kernel::direct", features, Config::of(&prepared))?;
     if arguments.wgsl {
         print(&wgsl)?;
         return Ok(ExitCode::SUCCESS);
@@ -227,6 +229,7 @@ fn report(path: &Path, prepared: &Prepared, wgsl: &str) -> Result<Report, Error>
         bvh_nodes: prepared.bvh.nodes.len(),
         bvh_depth: prepared.bvh.depth,
         lights: prepared.emitters.lights.len(),
+        aovs: aov::costs(prepared.scene.render.aovs),
         environment: environment_sampling(prepared),
         mis_compensation_unused: mis_compensation_unused(prepared),
         biased: prepared.bias(),

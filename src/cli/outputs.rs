@@ -1,6 +1,7 @@
 //! The files that a render writes.
 
 use crate::error::Error;
+use crate::image::exr::Channel;
 use crate::image::{ToneMapper, exr, extension, png};
 use crate::render::Film;
 use std::path::{Path, PathBuf};
@@ -44,11 +45,21 @@ impl OutputArguments {
         Ok(())
     }
 
-    /// Writes all files.
-    pub fn write(&self, film: &Film, attributes: &[(&str, String)]) -> Result<(), Error> {
+    /// Whether one of them has channels beside radiance.
+    pub fn has_exr(&self) -> bool {
+        self.output.iter().any(|path| extension(path) == "exr")
+    }
+
+    /// Writes all files, EXRs with `further` channels.
+    pub fn write(
+        &self,
+        film: &Film,
+        further: &[Channel],
+        attributes: &[(&str, String)],
+    ) -> Result<(), Error> {
         for path in &self.output {
             if extension(path) == "exr" {
-                exr::write(path, film, attributes)?;
+                exr::write(path, film, further, attributes)?;
             } else {
                 let display = png::Display {
                     exposure: self.exposure,

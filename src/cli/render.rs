@@ -3,14 +3,16 @@
 use super::check::{CheckArgument, print_verdict};
 use super::outputs::OutputArguments;
 use super::passes::{Passes, Progressed, StoppedBy};
-use super::settings::{EstimatorArguments, SceneArguments, warn};
+use super::settings::{AovArguments, EstimatorArguments, SceneArguments, warn};
 use super::{AdapterArgument, JsonArgument};
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
+use crate::image::layers;
 use crate::render::{
-    Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, render_through_losses,
+    AovImages, Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, render_aovs,
+    render_through_losses,
 };
-use crate::scene::{LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
+use crate::scene::{Aovs, LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
 use serde::Serialize;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -52,6 +54,8 @@ struct SettingsArguments {
     confidence: Option<f64>,
     #[command(flatten)]
     estimator: EstimatorArguments,
+    #[command(flatten)]
+    aov: AovArguments,
 }
 
 impl SettingsArguments {
@@ -83,7 +87,30 @@ impl SettingsArguments {
         render.error = self.error.or(render.error);
         render.confidence = self.confidence.unwrap_or(render.confidence);
         render.spp = self.spp.unwrap_or(render.spp);
+        self.aov.apply(scene);
         self.estimator.apply(scene)
+    }
+}
+
+impl Arguments {
+    /// Refuses AOVs that no file would hold; those of the scene file are left out then.
+    fn keep_aovs(&self, scene: &mut Scene) -> Result<(), Error> {
+        if self.outputs.has_exr() || scene.render.aovs.is_empty() {
+            return Ok(());
+        }
+        if !self.settings.aov.aovs.is_empty() {
+            return Err(Error::Usage(
+                "--aov: only an EXR holds AOVs; add an output such as -o out.exr".to_owned(),
+            ));
+        }
+        if !self.outputs.output.is_empty() {
+            eprintln!(
+                "direkt: warning: {}: render.aovs: only an EXR holds AOVs, and no output is one; they are left out",
+                scene.source.display()
+            );
+        }
+        scene.render.aovs = Aovs::default();
+        Ok(())
     }
 }
 
@@ -115,6 +142,8 @@ struct Report {
     biased: Option<String>,
     sampler: Sampler,
     seed: u32,
+    aovs: Aovs,
+    light_groups: Vec<String>,
     image_mean: [f64; 3],
     image_mean_standard_error: Option<[f64; 3]>,
     check: Option<Check>,
@@ -127,6 +156,7 @@ struct Seconds {
     accel: f64,
     compile: f64,
     render: f64,
+    aovs: f64,
     total: f64,
 }
 
@@ -142,6 +172,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.outputs.check(&arguments.scene.scene)?;
     let mut scene = arguments.scene.load()?;
     arguments.settings.apply(&mut scene)?;
+    arguments.keep_aovs(&mut scene)?;
     arguments.check.before(&scene)?;
     let load_seconds = start.elapsed().as_secs_f64();
     warn(&scene);
@@ -158,7 +189,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
             announce(&prepared.scene, session, quiet);
             Passes::new(&prepared.scene, quiet)
         });
-        Rendered::new(passes.take(session)?, session)
+        Rendered::new(passes.take(session)?, session, &prepared)
     };
     let rendered = render_through_losses(open, &prepared, work, |error, samples| {
         eprintln!(
@@ -174,11 +205,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         accel: prepared.accel_seconds,
         compile: rendered.compile_seconds,
         render: rendered.progressed.seconds,
+        aovs: rendered.aov_seconds,
         total: start.elapsed().as_secs_f64(),
     };
     let film = &rendered.film;
     let mut report = report(&prepared, &rendered, seconds);
-    arguments.outputs.write(film, &attributes(&report))?;
+    let channels = layers::channels(&prepared, film, &rendered.aovs);
+    let mut attributes = attributes(&report);
+    attributes.extend(layers::attributes(&prepared, &rendered.aovs));
+    arguments.outputs.write(film, &channels, &attributes)?;
     report.check = arguments.check.compare(&prepared.scene, film)?;
     finish(arguments, &report, quiet)
 }
@@ -199,17 +234,33 @@ struct Rendered {
     progressed: Progressed,
     compile_seconds: f64,
     adapter: AdapterFacts,
+    aovs: AovImages,
+    aov_seconds: f64,
 }
 
 impl Rendered {
-    fn new(progressed: Progressed, session: &Session<'_>) -> Result<Self, Error> {
+    fn new(
+        progressed: Progressed,
+        session: &Session<'_>,
+        prepared: &Prepared,
+    ) -> Result<Self, Error> {
         let (film, rays) = session.snapshot()?;
+        let start = Instant::now();
+        let samples = film.sample_range().1;
+        let aovs = if samples > 0 {
+            let image = (film.size, prepared.scene.render.seed);
+            render_aovs(session.context(), prepared, image, samples)?
+        } else {
+            AovImages::default()
+        };
         Ok(Self {
             film,
             rays,
             progressed,
             compile_seconds: session.compile_seconds,
             adapter: session.context().adapter.clone(),
+            aovs,
+            aov_seconds: start.elapsed().as_secs_f64(),
         })
     }
 }
@@ -249,6 +300,8 @@ fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds) -> Report 
         biased: prepared.bias(),
         sampler: settings.sampler,
         seed: settings.seed,
+        aovs: settings.aovs,
+        light_groups: prepared.emitters.groups.names.clone(),
         image_mean: film.mean(),
         image_mean_standard_error: film.standard_error_of_mean(),
         check: None,

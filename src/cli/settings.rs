@@ -5,7 +5,7 @@ use crate::scene::load::{LoadOptions, load};
 use crate::scene::settings::MAX_SPECULAR_DEPTH;
 use crate::scene::shadow_rays::MAX_SHADOW_RAYS;
 use crate::scene::{
-    FilmSize, LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy, validate,
+    Aov, FilmSize, LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy, validate,
 };
 use std::path::{Path, PathBuf};
 
@@ -147,6 +147,23 @@ impl EstimatorArguments {
         render.max_specular_depth = self.max_specular_depth.unwrap_or(render.max_specular_depth);
         render.sampler = self.sampler.unwrap_or(render.sampler);
         self.image.apply(scene)
+    }
+}
+
+/// Which images are made beside radiance.
+#[derive(Debug, clap::Args)]
+pub struct AovArguments {
+    /// Images beside radiance, as further channels of the EXR, separated by commas: see docs/aov.md
+    #[arg(long = "aov", value_name = "LIST", value_enum, value_delimiter = ',')]
+    pub aovs: Vec<Aov>,
+}
+
+impl AovArguments {
+    /// Changes `scene`: what is named here is made instead of what it names.
+    pub fn apply(&self, scene: &mut Scene) {
+        if !self.aovs.is_empty() {
+            scene.render.aovs = self.aovs.iter().copied().collect();
+        }
     }
 }
 

@@ -340,6 +340,11 @@ impl Rules<'_> {
         (!filter.is_pixel()).then(|| format!("film.filter = \"{kind}\" of radius {radius}"))
     }
 
+    pub(super) fn light_groups(&self) -> Option<String> {
+        let names = &self.emitters.groups.names;
+        (!names.is_empty()).then(|| format!("AOV light-groups: {}", names.join(", ")))
+    }
+
     pub(super) fn sampler(&self, sampler: Sampler) -> Option<String> {
         (self.scene.render.sampler == sampler).then(|| format!("sampler {sampler}"))
     }

@@ -3,12 +3,14 @@
 pub mod area_map;
 mod emission_map;
 mod environment;
+mod light_groups;
 mod selection;
 mod sun;
 pub mod tree;
 
 pub use emission_map::EmissionMap;
 pub use environment::EnvironmentGrid;
+pub use light_groups::EmitterGroups;
 pub use selection::Selection;
 pub use sun::Sun;
 pub use tree::LightTree;
@@ -56,6 +58,8 @@ pub struct Emitters {
     pub environment: Option<EnvironmentGrid>,
     /// Emission that varies over lights.
     pub maps: Vec<EmissionMap>,
+    /// Their groups, where the image keeps these apart.
+    pub groups: EmitterGroups,
 }
 
 /// Rec. 709 luminance.
@@ -82,12 +86,14 @@ impl Emitters {
         let Surfaces {
             mut lights,
             mut power,
+            mut groups,
             maps,
         } = Surfaces::new(scene, primitives);
         // Suns stand together.
-        let is_sun = |light: &&Light| matches!(light, Light::Sun { .. });
-        let points = scene.lights.iter().filter(|light| !is_sun(light));
-        for light in points.chain(scene.lights.iter().filter(is_sun)) {
+        let is_sun = |(_, light): &(usize, &Light)| matches!(light, Light::Sun { .. });
+        let named = || scene.lights.iter().enumerate();
+        let points = named().filter(|light| !is_sun(light));
+        for (index, light) in points.chain(named().filter(is_sun)) {
             let light = normalized(light, normalization);
             let of_light = light_power(&light, normalization.radius);
             if of_light > 0.0 {
@@ -100,6 +106,7 @@ impl Emitters {
                     } => Emitter::Sun(Sun::new(direction, irradiance, angular_radius)),
                     point => Emitter::Delta(point),
                 });
+                groups.push(scene.light_groups.of_light(index));
             }
         }
         let mut grid = None;
@@ -108,6 +115,7 @@ impl Emitters {
             if of_environment > 0.0 {
                 power.push(of_environment);
                 lights.push(Emitter::Environment);
+                groups.push(scene.light_groups.of_environment());
                 if let EnvironmentRadiance::Map(map) = &environment.radiance {
                     grid = if scene.render.mis_compensation && strategy.is_mis() {
                         EnvironmentGrid::compensated(map)
@@ -140,6 +148,7 @@ impl Emitters {
             lights,
             environment: grid,
             maps,
+            groups: EmitterGroups::new(scene, &groups),
         }
     }
 
@@ -184,6 +193,7 @@ impl Emitters {
 struct Surfaces {
     lights: Vec<Emitter>,
     power: Vec<f64>,
+    groups: Vec<Option<u32>>,
     maps: Vec<EmissionMap>,
 }
 
@@ -200,14 +210,25 @@ impl Surfaces {
         let emitting = lit.iter().map(|(index, _)| &primitives[*index as usize]);
         let mut surfaces = Self::default();
         for (&(index, emission), varies) in lit.iter().zip(of_primitives(scene, emitting)) {
-            surfaces.add(index, &primitives[index as usize], emission, varies);
+            let primitive = &primitives[index as usize];
+            if surfaces.add(index, primitive, emission, varies) {
+                let group = scene.light_groups.of_shape(primitive.shape);
+                surfaces.groups.push(group);
+            }
         }
         surfaces
     }
 
-    fn add(&mut self, index: u32, primitive: &Primitive, emission: Emission, varies: Varies) {
+    /// Adds primitive `index`, unless it is dark.
+    fn add(
+        &mut self,
+        index: u32,
+        primitive: &Primitive,
+        emission: Emission,
+        varies: Varies,
+    ) -> bool {
         let (mean, map) = match varies {
-            Varies::Dark => return,
+            Varies::Dark => return false,
             Varies::Not => (DVec3::ONE, None),
             Varies::Textured(mut map) => {
                 let before = self.maps.last();
@@ -227,6 +248,7 @@ impl Surfaces {
             two_sided: emission.two_sided,
             map,
         });
+        true
     }
 }
 

@@ -1,7 +1,8 @@
 //! What a render holds on the device.
 
+use crate::effects::Effect;
 use crate::gpu::SceneBuffers;
-use crate::gpu::layout::{Dispatch, Frame, PixelState, TILE, TILE_PIXELS};
+use crate::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS};
 use crate::render::Prepared;
 use crate::scene::FilmSize;
 use serde::Serialize;
@@ -28,7 +29,20 @@ pub fn of(prepared: &Prepared, film: FilmSize) -> Vec<Memory> {
         ("direct.unfinished", word),
         ("direct.unfinished.staging", word),
     ];
-    let all = SceneBuffers::sizes(prepared).into_iter().chain(of_image);
+    let groups = if prepared.effects.contains(Effect::LightGroups) {
+        let means = u64::from(prepared.emitters.groups.count()) * size_of::<GroupMean>() as u64;
+        let means = tiles * u64::from(TILE_PIXELS) * means;
+        vec![
+            ("direct.light_groups", means),
+            ("direct.light_groups.staging", means),
+        ]
+    } else {
+        Vec::new()
+    };
+    let all = SceneBuffers::sizes(prepared)
+        .into_iter()
+        .chain(of_image)
+        .chain(groups);
     all.map(|(name, bytes)| Memory { name, bytes }).collect()
 }
 

@@ -7,6 +7,7 @@
 //! | [`sample`] | rays and random numbers of one sample |
 //! | [`price`] | measured: compile time and time per sample, with each further effect compiled in and with all of them |
 
+pub mod aov;
 pub mod memory;
 pub mod plot;
 pub mod price;

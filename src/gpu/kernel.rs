@@ -2,7 +2,7 @@
 
 use super::buffer::GpuBuffer;
 use super::context::Context;
-use super::layout::{Dispatch, Frame, PixelState};
+use super::layout::{Dispatch, Frame, GroupMean, PixelState};
 use super::scene_buffers::SceneBuffers;
 use super::shader::{self, Config};
 use crate::effects::{Effect, Effects};
@@ -16,6 +16,7 @@ pub struct SceneKernel {
     pass_layout: wgpu::BindGroupLayout,
     scene_layout: wgpu::BindGroupLayout,
     scene_bindings: Vec<u32>,
+    has_light_groups: bool,
     own_layout: Option<wgpu::BindGroupLayout>,
     label: &'static str,
     wgsl: String,
@@ -53,6 +54,39 @@ pub const RECORD: Entry<'static> = Entry {
     features: &["RECORD"],
     own: &[READ_WRITE],
 };
+
+/// The kernel that sums what a denoiser asks for, `shaders/kernel/features.wesl`.
+pub const FEATURES: Entry<'static> = Entry {
+    name: "features",
+    module: "kernel::features",
+    source: None,
+    features: &["FEATURES"],
+    own: &[READ_WRITE],
+};
+
+/// The kernel that finds the surface in the middle of each pixel, `shaders/kernel/gbuffer.wesl`.
+pub const GBUFFER: Entry<'static> = Entry {
+    name: "gbuffer",
+    module: "kernel::gbuffer",
+    source: None,
+    features: &[],
+    own: &[READ_WRITE],
+};
+
+/// The buffers of group 0.
+#[derive(Debug, Clone, Copy)]
+pub struct PassBuffers<'a> {
+    /// What stays the same for a render.
+    pub frame: &'a GpuBuffer<Frame>,
+    /// What changes per dispatch.
+    pub dispatch: &'a GpuBuffer<Dispatch>,
+    /// The pixels of a region.
+    pub pixels: &'a GpuBuffer<PixelState>,
+    /// Whether a pixel did not reach its target.
+    pub unfinished: &'a GpuBuffer<u32>,
+    /// Their groups of lights; kernels without these leave it out.
+    pub light_groups: Option<&'a GpuBuffer<GroupMean>>,
+}
 
 /// Bind group 0: the frame, a region's pixels, and what changes per dispatch.
 #[derive(Debug)]
@@ -176,7 +210,9 @@ impl SceneKernel {
         let wgsl = shader::link_with(entry.module, entry.source, features, config)?;
         let device = &context.device;
         let name = entry.name;
-        let pass_types = [UNIFORM, UNIFORM, READ_WRITE, READ_WRITE];
+        let has_light_groups = effects.contains(Effect::LightGroups);
+        let mut pass_types = vec![UNIFORM, UNIFORM, READ_WRITE, READ_WRITE];
+        pass_types.extend(has_light_groups.then_some(READ_WRITE));
         let pass_layout = layout(device, &format!("{name}.pass"), &numbered(&pass_types));
         let scene_types = scene_types(effects);
         let scene_layout = layout(device, &format!("{name}.scene"), &scene_types);
@@ -216,6 +252,7 @@ impl SceneKernel {
                 .into_iter()
                 .map(|(binding, _)| binding)
                 .collect(),
+            has_light_groups,
             own_layout,
             label: name,
             wgsl,
@@ -228,20 +265,15 @@ impl SceneKernel {
     }
 
     /// Binds the buffers of one region of the image.
-    pub fn bind_region(
-        &self,
-        device: &wgpu::Device,
-        frame: &GpuBuffer<Frame>,
-        dispatch: &GpuBuffer<Dispatch>,
-        pixels: &GpuBuffer<PixelState>,
-        unfinished: &GpuBuffer<u32>,
-    ) -> RegionBindings {
+    pub fn bind_region(&self, device: &wgpu::Device, buffers: &PassBuffers<'_>) -> RegionBindings {
+        let groups = buffers.light_groups.filter(|_| self.has_light_groups);
         let resources = [
-            frame.binding(),
-            dispatch.binding(),
-            pixels.binding(),
-            unfinished.binding(),
+            buffers.frame.binding(),
+            buffers.dispatch.binding(),
+            buffers.pixels.binding(),
+            buffers.unfinished.binding(),
         ];
+        let resources = resources.into_iter().chain(groups.map(GpuBuffer::binding));
         let resources = (0..).zip(resources);
         RegionBindings(bind(device, self.label, &self.pass_layout, resources))
     }

@@ -86,8 +86,8 @@ pub struct Frame {
     pub suns: u32,
     /// 1 where the environment map is interpolated between its texels.
     pub environment_linear: u32,
-    /// Unused.
-    pub frame_padding: u32,
+    /// Word of the lights at which the maps of emission begin.
+    pub first_emission: u32,
 }
 
 /// Words of [`Frame::filter_knots`].
@@ -137,6 +137,10 @@ pub struct PixelState {
     pub second_samples: u32,
 }
 
+/// A pixel's mean radiance of a group of lights, as bits, and the number of its samples; see
+/// `shaders/kernel/light_groups.wesl`.
+pub type GroupMean = [u32; 4];
+
 /// `SampleRecord` of `shaders/types.wesl`: what one sample found and what its rays met.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -165,6 +169,34 @@ impl SampleRecord {
     pub fn clear_shadow_rays(&self) -> u32 {
         self.shadow / SHADOW_CLEAR
     }
+}
+
+/// `FeatureSums` of `shaders/types.wesl`: sums over samples of what a denoiser asks for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct FeatureSums {
+    /// Albedo where camera paths end.
+    pub albedo: [f32; 3],
+    /// Number of samples.
+    pub samples: u32,
+    /// Unit shading normal there.
+    pub normal: [f32; 3],
+    /// Unused.
+    pub padding: u32,
+}
+
+/// `SurfaceRecord` of `shaders/types.wesl`: the surface in the middle of a pixel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SurfaceRecord {
+    /// Point on the primitive, normalised space.
+    pub position: [f32; 3],
+    /// The primitive, or [`NONE`].
+    pub primitive: u32,
+    /// Unit geometric normal, on the viewer's side.
+    pub normal: [f32; 3],
+    /// Unused.
+    pub padding: u32,
 }
 
 /// Most samples that are accumulated in f32 before the host merges them in f64.
@@ -272,10 +304,14 @@ shared! {
     "scene::fetch" SKEWED_BIT = 16;
     /// Words of a light.
     "scene::fetch" LIGHT_WORDS = 4;
-    /// Above these bits of a light's head stands the word of its emission map.
+    /// From this bit of a light's head on stands the number of its emission map, from 1.
     "scene::fetch" EMISSION_SHIFT = 5;
+    /// Largest number of an emission map.
+    "scene::fetch" EMISSION_MASK = 0x3ffff;
     /// Words of an emission map.
     "scene::fetch" EMISSION_WORDS = 3;
+    /// Where the group stands in a light's head.
+    "kernel::light_groups" LIGHT_GROUP_SHIFT = 24;
     /// Marks a reference to a light in the light tree.
     "light::tree" TREE_LEAF = crate::emitters::tree::TREE_LEAF;
     /// Cells of the pixel filter's table.

@@ -1,9 +1,9 @@
 //! Lights as the GPU reads them: the formats of `shaders/scene/fetch.wesl` and of what lights are chosen by.
 
 use super::layout::{
-    EMISSION_SHIFT, EMISSION_WORDS, LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_POINT,
-    LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, LIGHT_WORDS, NONE, SKEWED_BIT,
-    TWO_SIDED_BIT,
+    EMISSION_SHIFT, EMISSION_WORDS, LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT,
+    LIGHT_GROUP_SHIFT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
+    LIGHT_WORDS, NONE, SKEWED_BIT, TWO_SIDED_BIT,
 };
 use super::scene_buffers::{Word, bits, word};
 use crate::accel::PrimitiveGeometry;
@@ -35,13 +35,10 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
     let tree = prepared.emitters.selection.as_ref();
     let tree = tree.and_then(Selection::tree);
     let trail = |index: usize| tree.map_or(0, |tree| tree.trails[index]);
-    let opacities = prepared.effects.contains(Effect::AlphaLights);
-    let of_light = LIGHT_WORDS + u32::from(opacities);
-    let maps_begin = of_light * prepared.emitters.lights.len() as u32;
     let lights = prepared.emitters.lights.iter().enumerate();
     let words = lights.flat_map(|(index, emitter)| {
         let samples = bits(prepared.light_samples(index));
-        match *emitter {
+        let mut words = match *emitter {
             Emitter::Area {
                 primitive,
                 radiance,
@@ -54,8 +51,7 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
                     two_sided,
                     [samples, trail(index)],
                 );
-                let word = map.map_or(0, |map| maps_begin + EMISSION_WORDS * map);
-                words[0][3] |= word << EMISSION_SHIFT;
+                words[0][3] |= map.map_or(0, |map| map + 1) << EMISSION_SHIFT;
                 words
             }
             Emitter::Delta(light) => delta_light(&light, samples),
@@ -71,8 +67,11 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
                 [0; 4],
                 [0; 4],
             ],
-        }
+        };
+        words[0][3] |= prepared.emitters.groups.of_light(index) << LIGHT_GROUP_SHIFT;
+        words
     });
+    let opacities = prepared.effects.contains(Effect::AlphaLights);
     let primitives = prepared.emitters.lights.iter().filter(|_| opacities);
     let primitives = primitives.map(|emitter| match emitter {
         Emitter::Area { primitive, .. }
@@ -85,6 +84,12 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
     let maps = prepared.emitters.maps.iter();
     let maps = maps.flat_map(|map| emission_words(map, textures[map.shape.index()]));
     words.chain(primitives).chain(maps).collect()
+}
+
+/// The word of the lights at which the maps of emission begin.
+pub(super) fn first_emission_word(prepared: &Prepared) -> u32 {
+    let opacities = prepared.effects.contains(Effect::AlphaLights);
+    (LIGHT_WORDS + u32::from(opacities)) * prepared.emitters.lights.len() as u32
 }
 
 fn emission_words(map: &EmissionMap, texture: u32) -> [Word; EMISSION_WORDS as usize] {

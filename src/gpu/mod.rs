@@ -4,6 +4,7 @@ pub mod buffer;
 pub mod context;
 pub mod doctor;
 pub mod environment;
+pub mod features;
 pub mod kernel;
 pub mod layout;
 mod lights;
@@ -13,6 +14,7 @@ pub mod recorder;
 pub mod scene_buffers;
 pub mod shader;
 pub mod textures;
+pub mod tiles;
 
 pub use buffer::GpuBuffer;
 pub use context::{AdapterFacts, Context};

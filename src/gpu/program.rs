@@ -2,7 +2,7 @@
 
 use super::buffer::GpuBuffer;
 use super::context::Context;
-use super::kernel::{Entry, OwnBindings, RegionBindings, SceneBindings, SceneKernel};
+use super::kernel::{Entry, OwnBindings, PassBuffers, RegionBindings, SceneBindings, SceneKernel};
 use super::layout::{Dispatch, Frame, PixelState, TILE_PIXELS};
 use super::scene_buffers::{self, SceneBuffers};
 use super::shader::Config;
@@ -36,10 +36,7 @@ impl<'a> SceneProgram<'a> {
         seed: u32,
         entry: &Entry<'_>,
     ) -> Result<Self, GpuError> {
-        let config = Config {
-            stack_depth: prepared.stack_depth(),
-            ..Config::default()
-        };
+        let config = Config::of(prepared);
         let kernel = SceneKernel::new(context, entry, &prepared.effects, config)?;
         let buffers = SceneBuffers::new(context, prepared)?;
         let device = &context.device;
@@ -54,9 +51,18 @@ impl<'a> SceneProgram<'a> {
             let pixels: GpuBuffer<PixelState> =
                 GpuBuffer::zeroed(device, "program.pixels", TILE_PIXELS as usize, storage);
             let unfinished = GpuBuffer::zeroed(device, "program.unfinished", 1, storage);
+            let groups = TILE_PIXELS as usize * config.light_groups as usize;
+            let groups = GpuBuffer::zeroed(device, "program.light_groups", groups, storage);
+            let pass = PassBuffers {
+                frame: &frame,
+                dispatch: &dispatch,
+                pixels: &pixels,
+                unfinished: &unfinished,
+                light_groups: Some(&groups),
+            };
             Self {
                 context,
-                region: kernel.bind_region(device, &frame, &dispatch, &pixels, &unfinished),
+                region: kernel.bind_region(device, &pass),
                 scene: kernel.bind_scene(device, &buffers),
                 kernel,
                 dispatch,

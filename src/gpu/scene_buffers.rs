@@ -4,10 +4,10 @@ use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::environment::EnvironmentBuffers;
 use super::layout::{
-    ATTRIBUTE_BITS, FILTER_WORDS, Frame, HAS_NORMALS, HAS_OPACITY, HAS_UVS, KIND_DISK,
-    KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, NONE, ONE_SIDED_BIT, TILE,
+    ATTRIBUTE_BITS, EMISSION_MASK, FILTER_WORDS, Frame, HAS_NORMALS, HAS_OPACITY, HAS_UVS,
+    KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, NONE, ONE_SIDED_BIT, TILE,
 };
-use super::lights::{choice_words, emission_cell_words, light_words};
+use super::lights::{choice_words, emission_cell_words, first_emission_word, light_words};
 use super::materials::{MaterialWords, material_words};
 use super::textures::{TextureArrays, atlases};
 use crate::accel::{Attributed, Node, Primitive, PrimitiveGeometry};
@@ -52,6 +52,7 @@ impl SceneBuffers {
     /// # Errors
     /// A buffer or the environment map is larger than the adapter binds, or memory runs out.
     pub fn new(context: &Context, prepared: &Prepared) -> Result<Self, GpuError> {
+        check_maps(context, prepared)?;
         let primitives = primitive_words(prepared);
         let attributes = attribute_words(prepared);
         let textures = TextureArrays::new(context, &prepared.scene)?;
@@ -140,6 +141,19 @@ impl SceneBuffers {
         sizes.push(("scene.environment", words(texels)));
         sizes
     }
+}
+
+fn check_maps(context: &Context, prepared: &Prepared) -> Result<(), GpuError> {
+    let (needed, limit) = (prepared.emitters.maps.len() as u64, EMISSION_MASK.into());
+    if needed <= limit {
+        return Ok(());
+    }
+    Err(GpuError::TooMany {
+        what: "triangles that emit a texture".to_owned(),
+        needed,
+        limit,
+        adapter: context.adapter.name.clone(),
+    })
 }
 
 fn check_size(context: &Context, what: &str, needed: u64) -> Result<(), GpuError> {
@@ -273,6 +287,7 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
     let (first_sun, suns) = prepared.emitters.suns();
     frame.first_sun = first_sun as u32;
     frame.suns = suns as u32;
+    frame.first_emission = first_emission_word(prepared);
     let tree = prepared.emitters.selection.as_ref();
     if let Some(tree) = tree.and_then(Selection::tree) {
         frame.light_grid_origin = tree.grid.origin;

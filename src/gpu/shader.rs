@@ -1,6 +1,8 @@
 //! Links WESL modules into one WGSL module.
 
+use crate::emitters::Emitter;
 use crate::error::GpuError;
+use crate::render::Prepared;
 use include_dir::{Dir, include_dir};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -19,6 +21,10 @@ pub struct Config {
     /// Any number but 0, with which unfinished work is marked: with another one a driver has to compile anew what it may have
     /// kept.
     pub stamp: u32,
+    /// Groups of lights that are kept apart.
+    pub light_groups: u32,
+    /// That of the environment.
+    pub environment_group: u32,
 }
 
 impl Default for Config {
@@ -26,16 +32,35 @@ impl Default for Config {
         Self {
             stack_depth: 4,
             stamp: 1,
+            light_groups: 1,
+            environment_group: 0,
         }
     }
 }
 
 impl Config {
+    /// The values for `prepared`.
+    pub fn of(prepared: &Prepared) -> Self {
+        let emitters = &prepared.emitters;
+        let mut lights = emitters.lights.iter();
+        let environment = lights.position(|light| *light == Emitter::Environment);
+        Self {
+            stack_depth: prepared.stack_depth(),
+            light_groups: emitters.groups.count(),
+            environment_group: environment.map_or(0, |index| emitters.groups.of_light(index)),
+            ..Self::default()
+        }
+    }
+
     fn to_wesl(self) -> String {
-        format!(
-            "const STACK_DEPTH: u32 = {}u;\nconst STAMP: u32 = {}u;\n",
-            self.stack_depth, self.stamp
-        )
+        let constants = [
+            ("STACK_DEPTH", self.stack_depth),
+            ("STAMP", self.stamp),
+            ("LIGHT_GROUP_COUNT", self.light_groups),
+            ("ENVIRONMENT_GROUP", self.environment_group),
+        ];
+        let lines = constants.map(|(name, value)| format!("const {name}: u32 = {value}u;\n"));
+        lines.concat()
     }
 }
 

@@ -1,5 +1,5 @@
 //! 32-bit float images: radiance (`R`, `G`, `B`), the number of samples (`samples`) and the standard error of
-//! each mean (`standard_error.R`, …), with what produced them as attributes.
+//! each mean (`standard_error.R`, …), with what produced them as attributes; AOVs beside them where some are asked for.
 
 use super::write_atomically;
 use crate::error::Error;
@@ -12,13 +12,21 @@ use ::exr::prelude::{
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Writes the film with `attributes` (name, text).
+/// A channel: its name, and its values row by row.
+pub type Channel = (String, Vec<f32>);
+
+/// Writes the film with `further` channels and with `attributes` (name, text).
 ///
 /// While a pixel has fewer than two samples standard errors are not known: there stands [`UNKNOWN_ERROR`].
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write(path: &Path, film: &Film, attributes: &[(&str, String)]) -> Result<(), Error> {
+pub fn write(
+    path: &Path,
+    film: &Film,
+    further: &[Channel],
+    attributes: &[(&str, String)],
+) -> Result<(), Error> {
     let channel = |name: &str, value: &(dyn Fn(usize) -> f32 + Sync)| {
         let values: Vec<f32> = (0..film.pixels.len()).into_par_iter().map(value).collect();
         (name.to_owned(), values)
@@ -34,6 +42,7 @@ pub fn write(path: &Path, film: &Film, attributes: &[(&str, String)]) -> Result<
         }));
     }
     channels.push(channel("samples", &|i| film.pixels[i].samples as f32));
+    channels.extend(further.iter().cloned());
     write_channels(path, film.size, channels, attributes)
 }
 
@@ -44,7 +53,7 @@ pub fn write(path: &Path, film: &Film, attributes: &[(&str, String)]) -> Result<
 pub fn write_channels(
     path: &Path,
     size: FilmSize,
-    channels: Vec<(String, Vec<f32>)>,
+    channels: Vec<Channel>,
     attributes: &[(&str, String)],
 ) -> Result<(), Error> {
     let fail = |e: ::exr::error::Error| Error::Write {

@@ -31,6 +31,15 @@ impl<'a> Twin<'a> {
         &self.direct
     }
 
+    /// The twin where only the lights of `group` shine; everything is sampled as before.
+    #[must_use]
+    pub fn with_light_group(self, group: u32) -> Self {
+        Self {
+            direct: self.direct.with_light_group(group),
+            ..self
+        }
+    }
+
     /// The twin with other random numbers.
     #[must_use]
     pub fn with_seed(self, seed: u32) -> Self {

@@ -1,6 +1,6 @@
 //! The film: per pixel the merged mean and variance, in f64.
 
-use crate::gpu::layout::PixelState;
+use crate::gpu::layout::{GroupMean, PixelState};
 use crate::scene::{FilmSize, Sampler};
 use crate::stats::moments::Moments;
 use rayon::prelude::*;
@@ -135,6 +135,8 @@ pub struct Film {
     pub pixels: Vec<Pixel>,
     /// What was dropped.
     pub ledger: Ledger,
+    /// Mean radiance of each group of lights, row by row; none where they are not kept apart.
+    pub light_groups: Vec<Vec<[f64; 3]>>,
 }
 
 impl Film {
@@ -145,6 +147,30 @@ impl Film {
             sampler,
             pixels: vec![Pixel::default(); size.pixels()],
             ledger: Ledger::default(),
+            light_groups: Vec::new(),
+        }
+    }
+
+    /// The same with `groups` groups of lights.
+    #[must_use]
+    pub fn with_light_groups(self, groups: usize) -> Self {
+        Self {
+            light_groups: vec![vec![[0.0; 3]; self.pixels.len()]; groups],
+            ..self
+        }
+    }
+
+    /// Adds a block of the pixel `index`: `groups` are its groups' means.
+    pub fn merge(&mut self, index: usize, block: &PixelState, groups: &[GroupMean]) {
+        self.pixels[index].merge(block);
+        if block.samples == 0 {
+            return;
+        }
+        let part = f64::from(block.samples) / self.pixels[index].samples as f64;
+        for (image, group) in self.light_groups.iter_mut().zip(groups) {
+            for (mean, bits) in image[index].iter_mut().zip(group) {
+                *mean += (f64::from(f32::from_bits(*bits)) - *mean) * part;
+            }
         }
     }
 

@@ -1,5 +1,6 @@
 //! Progressive rendering: passes on the GPU, blocks of samples merged into an f64 film on the host.
 
+pub mod aov;
 pub mod check;
 mod error;
 pub mod film;
@@ -9,6 +10,7 @@ pub mod prepare;
 mod recover;
 pub mod session;
 
+pub use aov::{AovImages, render_aovs};
 pub use check::Check;
 pub use error::{CONFIDENCE, ImageError, tile_sums, unit_side};
 pub use film::{Film, FirstBad, Ledger, Pixel};

@@ -7,17 +7,19 @@
 
 pub(super) mod checkpoint;
 mod readback;
+mod region;
 
 use super::film::Film;
 use super::prepare::{Patterns, Prepared};
 use crate::error::GpuError;
-use crate::gpu::kernel::{DIRECT, RegionBindings, SceneBindings, SceneKernel};
-use crate::gpu::layout::{BLOCK_SAMPLES, Dispatch, Frame, PixelState, TILE, TILE_PIXELS};
+use crate::gpu::kernel::{DIRECT, SceneBindings, SceneKernel};
+use crate::gpu::layout::{BLOCK_SAMPLES, Dispatch, Frame, TILE, TILE_PIXELS};
 use crate::gpu::scene_buffers::{self, SceneBuffers};
 use crate::gpu::shader::Config;
 use crate::gpu::{Context, GpuBuffer};
 use crate::scene::FilmSize;
 use checkpoint::Saved;
+use region::{Region, light_groups, most_tiles};
 use std::time::{Duration, Instant};
 
 /// Tiles of a region at most: 2²⁰ pixels, 48 MiB of states.
@@ -58,16 +60,6 @@ pub enum StopReason {
     Done,
     /// The caller asked to stop; pixels may differ in their number of samples.
     Interrupted,
-}
-
-/// Pixels whose states share one buffer.
-#[derive(Debug)]
-struct Region {
-    first_tile: u32,
-    tiles: u32,
-    pixels: GpuBuffer<PixelState>,
-    staging: GpuBuffer<PixelState>,
-    bindings: RegionBindings,
 }
 
 /// A render in progress.
@@ -149,8 +141,8 @@ impl<'a> Session<'a> {
         let buffers = SceneBuffers::new(context, prepared)?;
         let compile_start = Instant::now();
         let config = Config {
-            stack_depth: prepared.stack_depth(),
             stamp,
+            ..Config::of(prepared)
         };
         let kernel = SceneKernel::new(context, &DIRECT, &prepared.effects, config)?;
         let device = &context.device;
@@ -170,23 +162,15 @@ impl<'a> Session<'a> {
                 | wgpu::BufferUsages::COPY_DST,
         );
         let read = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let groups = light_groups(prepared);
+        let region_tiles = region_tiles.min(most_tiles(context, groups));
         let regions = context.checked(|| {
             let tiles = film.width.div_ceil(TILE) * film.height.div_ceil(TILE);
             let firsts = (0..tiles).step_by(region_tiles as usize);
+            let shared = (&frame, &dispatch, &unfinished);
             let regions = firsts.map(|first_tile| {
                 let tiles = region_tiles.min(tiles - first_tile);
-                let count = (tiles * TILE_PIXELS) as usize;
-                let usage = wgpu::BufferUsages::STORAGE
-                    | wgpu::BufferUsages::COPY_SRC
-                    | wgpu::BufferUsages::COPY_DST;
-                let pixels = GpuBuffer::zeroed(device, "direct.pixels", count, usage);
-                Region {
-                    first_tile,
-                    tiles,
-                    bindings: kernel.bind_region(device, &frame, &dispatch, &pixels, &unfinished),
-                    pixels,
-                    staging: GpuBuffer::zeroed(device, "direct.pixels.staging", count, read),
-                }
+                Region::new(device, &kernel, shared, (first_tile, tiles), groups)
             });
             regions.collect()
         })?;
@@ -200,7 +184,8 @@ impl<'a> Session<'a> {
             unfinished,
             unfinished_staging: GpuBuffer::zeroed(device, "direct.unfinished.staging", 1, read),
             regions,
-            film: Film::new(film, prepared.scene.render.sampler),
+            film: Film::new(film, prepared.scene.render.sampler)
+                .with_light_groups(prepared.emitters.groups.names.len()),
             rays: RayCounts::default(),
             merged: 0,
             position: 0,
@@ -240,7 +225,8 @@ impl<'a> Session<'a> {
         self.close_block()?;
         self.merged = 0;
         self.rays = RayCounts::default();
-        self.film = Film::new(self.film.size, self.film.sampler);
+        self.film = Film::new(self.film.size, self.film.sampler)
+            .with_light_groups(self.film.light_groups.len());
         Ok(())
     }
 
@@ -382,6 +368,9 @@ impl<'a> Session<'a> {
                 .create_command_encoder(&Default::default());
             for region in &self.regions {
                 encoder.clear_buffer(region.pixels.raw(), 0, None);
+                if let Some([groups, _]) = &region.light_groups {
+                    encoder.clear_buffer(groups.raw(), 0, None);
+                }
             }
             self.context.queue.submit([encoder.finish()]);
         })

@@ -4,6 +4,7 @@
 //! f32. Nothing here knows of the GPU.
 
 pub mod alias_table;
+pub mod aov;
 pub mod camera;
 mod choice;
 pub mod expect;
@@ -11,6 +12,7 @@ pub mod filter;
 pub mod fresnel;
 pub mod ids;
 pub mod light;
+pub mod light_groups;
 pub mod load;
 pub mod lookup;
 pub mod material;
@@ -24,11 +26,13 @@ pub mod shape;
 pub mod texture;
 pub mod validate;
 
+pub use aov::{Aov, Aovs};
 pub use camera::{Camera, FilmSize, Lens, Projection};
 pub use expect::{Expect, ExpectedRadiance};
 pub use filter::PixelFilter;
 pub use ids::{MaterialId, ShapeId, TextureId};
 pub use light::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
+pub use light_groups::LightGroups;
 pub use material::{Bsdf, Material};
 pub use opacity::Opacity;
 pub use settings::{LightSampling, LightSelection, RenderSettings, Sampler, Strategy};
@@ -63,6 +67,8 @@ pub struct Scene {
     pub warnings: Vec<String>,
     /// What a pixel shows of what lies around its middle.
     pub filter: PixelFilter,
+    /// Which light belongs to which group.
+    pub light_groups: LightGroups,
 }
 
 impl Scene {

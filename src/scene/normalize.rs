@@ -44,6 +44,11 @@ impl Normalization {
         (p - self.center) * self.scale
     }
 
+    /// A point of normalised space in world space.
+    pub fn point_in_world(&self, p: DVec3) -> DVec3 {
+        p / self.scale + self.center
+    }
+
     /// A vector of world space in normalised space.
     pub fn vector(&self, v: DVec3) -> DVec3 {
         v * self.scale

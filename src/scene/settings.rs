@@ -1,5 +1,6 @@
 //! The `[render]` table: every setting also has a flag.
 
+use super::aov::{Aov, Aovs};
 use super::choice::choice;
 use super::shadow_rays::ShadowPattern;
 use schemars::JsonSchema;
@@ -180,6 +181,9 @@ pub struct RenderSettings {
     pub confidence: f64,
     /// Seed of the random numbers.
     pub seed: u32,
+    /// Images beside radiance, which an EXR holds as further channels.
+    #[schemars(with = "Vec<Aov>")]
+    pub aovs: Aovs,
 }
 
 impl Default for RenderSettings {
@@ -199,6 +203,7 @@ impl Default for RenderSettings {
             error: None,
             confidence: 0.95,
             seed: 0,
+            aovs: Aovs::default(),
         }
     }
 }

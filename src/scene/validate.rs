@@ -6,12 +6,13 @@ mod materials;
 mod view;
 
 use super::light::MIN_SUN;
+use super::light_groups::MAX_LIGHT_GROUPS;
 use super::range;
 use super::settings::MAX_SPECULAR_DEPTH;
 use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
     Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize, Geometry,
-    Light, LightSelection, Material, Mesh, Scene, Shape,
+    Light, LightGroups, LightSelection, Material, Mesh, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
@@ -41,6 +42,7 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
     if let Some(environment) = &scene.environment {
         check.environment(environment)?;
     }
+    check.light_groups(&scene.light_groups)?;
     check.settings(scene)?;
     if let Some(expect) = &scene.expect {
         check.expect(expect, scene.film)?;
@@ -120,6 +122,17 @@ impl Check<'_> {
             ),
             Geometry::Mesh(mesh) => self.mesh(mesh, field),
         }
+    }
+
+    fn light_groups(&self, groups: &LightGroups) -> Outcome {
+        let groups = groups.names().len();
+        self.require(
+            // One more may be that of the lights without a name.
+            groups < MAX_LIGHT_GROUPS,
+            || "group".to_owned(),
+            || format!("has {groups} different names in the scene"),
+            "at most 63 groups of lights",
+        )
     }
 
     fn mesh(&self, mesh: &Mesh, field: &str) -> Outcome {

@@ -132,7 +132,7 @@ fn a_million_survives_in_a_file() {
         samples: 2,
         ..PixelState::default()
     });
-    exr::write(&path, &film, &[]).unwrap();
+    exr::write(&path, &film, &[], &[]).unwrap();
     let read = image::open(&path).unwrap().into_rgb32f();
     let off = |x: f64| (x / 1e6 - 1.0).abs();
     survive(

@@ -1,10 +1,12 @@
 //! Images against exact values, strategies against each other, and what must not change an image.
 
+mod aov;
 mod compensation;
 mod error;
 mod invariance;
 mod ledger;
 mod lens;
+mod light_groups;
 mod light_tree;
 mod one_pixel;
 mod opacity;

@@ -73,7 +73,7 @@ fn syntax_and_keys() {
     );
     says(
         shape("type = \"sphere\"\n[shapes.emission]\nradiance = 1\ncolor = 2"),
-        "shapes[0].emission.color: unknown key `color` (line 5); expected `radiance`, `texture`, `two_sided`",
+        "shapes[0].emission.color: unknown key `color` (line 5); expected `radiance`, `texture`, `two_sided`, `group`",
     );
     says(
         shape("type = \"cone\""),

@@ -13,8 +13,8 @@ use direkt::gpu::Context;
 use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
-    Bsdf, Camera, Emission, FilmSize, Geometry, Light, Material, MaterialId, MaterialTextures,
-    Opacity, PixelFilter, RenderSettings, Sampler, Scene, Shape, Strategy,
+    Bsdf, Camera, Emission, FilmSize, Geometry, Light, LightGroups, Material, MaterialId,
+    MaterialTextures, Opacity, PixelFilter, RenderSettings, Sampler, Scene, Shape, Strategy,
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
@@ -213,6 +213,7 @@ pub fn floor_pixel() -> Scene {
         expect: None,
         warnings: vec![],
         filter: PixelFilter::default(),
+        light_groups: LightGroups::default(),
     }
 }
 

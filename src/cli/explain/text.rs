@@ -19,6 +19,9 @@ pub(super) fn of(report: &Report) -> String {
         "{} primitives, {} lights, BVH of {} nodes and depth {}",
         report.primitives, report.lights, report.bvh_nodes, report.bvh_depth,
     );
+    for aov in &report.aovs {
+        let _ = writeln!(out, "AOV {:22} {}", aov.name, aov.cost);
+    }
     if let Some(grid) = &report.environment {
         let by = if grid.compensated {
             "what of its luminance exceeds the mean (mis_compensation)"

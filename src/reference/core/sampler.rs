@@ -23,7 +23,7 @@ pub const GROUP_OPACITY: u32 = 8;
 pub const GROUP_LIGHT_POINTS: u32 = 16;
 
 /// Group of the choice at a camera ray's first specular surface: way; –, –, –. That of the next follows.
-pub const GROUP_SPECULAR: u32 = 1 << 30;
+pub const GROUP_SPECULAR: u32 = 0x5bd1_e995;
 
 /// Names one sample of one pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,5 +1,6 @@
 //! A camera ray through mirrors and glass; see `shaders/kernel/camera_path.wesl`.
 
+use super::feature_record::record_features;
 use super::sample::Sample;
 use crate::accel::PrimitiveGeometry;
 use crate::gpu::layout::NONE;
@@ -88,6 +89,7 @@ pub fn follow_camera_ray(
             return None;
         };
         let surface = surface_at(world, &ray, &hit, -ray.direction);
+        sample.features = record_features(&surface, throughput);
         if let Some(light) = surface.light {
             sample.radiance += throughput * emitted_radiance(world, light, surface.front, hit.st);
         }

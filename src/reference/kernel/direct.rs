@@ -94,6 +94,13 @@ impl<'a> Direct<'a> {
         &self.world
     }
 
+    /// The same estimator where only the lights of `group` shine; everything is sampled as before.
+    #[must_use]
+    pub fn with_light_group(mut self, group: u32) -> Self {
+        self.world.light_group = Some(group);
+        self
+    }
+
     /// The same estimator with other random numbers.
     #[must_use]
     pub fn with_seed(self, seed: u32) -> Self {
@@ -109,7 +116,8 @@ impl<'a> Direct<'a> {
         camera_ray(&self.world, self.size, film, lens)
     }
 
-    fn id(&self, x: u32, y: u32, index: u64) -> SampleId {
+    /// Names sample `index` of the pixel (x, y).
+    pub fn id(&self, x: u32, y: u32, index: u64) -> SampleId {
         let pixel = y * self.size.width + x;
         self.numbers.sample_id(pixel, index, self.seed)
     }

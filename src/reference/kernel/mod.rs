@@ -4,6 +4,8 @@ mod bsdf_rays;
 pub mod camera;
 pub mod camera_path;
 pub mod direct;
+pub mod feature_record;
 pub mod filter;
+pub mod gbuffer;
 pub mod sample;
 pub mod shadow_rays;

@@ -1,5 +1,6 @@
 //! What a sample found: see `shaders/kernel/sample_record.wesl`.
 
+use super::feature_record::Features;
 use glam::DVec3;
 
 /// How the shadow rays of a sample ended.
@@ -101,4 +102,6 @@ pub struct Sample {
     pub path: Path,
     /// How sensitive it is to rounding.
     pub conditions: Conditions,
+    /// What it shows a denoiser.
+    pub features: Features,
 }

@@ -115,7 +115,7 @@ pub fn sample_chosen_light(
     texel: u32,
 ) -> LightSample {
     let probability = choice.probability;
-    match &world.prepared.emitters.lights[choice.index as usize] {
+    let mut sample = match &world.prepared.emitters.lights[choice.index as usize] {
         Emitter::Area { .. } => {
             let light = area_light(world, choice.index);
             match emission_map(world, choice.index) {
@@ -129,7 +129,11 @@ pub fn sample_chosen_light(
         Emitter::Delta(light) => delta_light_sample(light, probability, x),
         Emitter::Sun(sun) => sample_sun(sun, probability, x, u),
         Emitter::Environment => sample_environment(world, probability, x, u, texel),
+    };
+    if !world.shines(choice.index as usize) {
+        sample.radiance_over_pdf = DVec3::ZERO;
     }
+    sample
 }
 
 /// Radiance that the surface of a light emits at its coordinates `st` towards a viewer on its front or back.
@@ -143,7 +147,7 @@ pub fn emitted_radiance(world: &World<'_>, light: u32, front: bool, st: DVec2) -
             radiance,
             two_sided,
             ..
-        } if front || two_sided => radiance * factor,
+        } if (front || two_sided) && world.shines(light as usize) => radiance * factor,
         _ => DVec3::ZERO,
     }
 }
@@ -182,6 +186,9 @@ pub fn environment_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
     let Some(environment) = &world.prepared.scene.environment else {
         return DVec3::ZERO;
     };
+    if !environment_light(world).is_none_or(|index| world.shines(index)) {
+        return DVec3::ZERO;
+    }
     let to_map = environment.rotation.transpose();
     environment.scale
         * match &environment.radiance {
@@ -194,12 +201,14 @@ pub fn environment_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
 
 /// Probability that light selection chooses the environment.
 fn environment_selection(world: &World<'_>) -> PdfDiscrete {
-    let emitters = &world.prepared.emitters;
-    let index = emitters
-        .lights
-        .iter()
-        .position(|l| *l == Emitter::Environment);
-    PdfDiscrete(index.map_or(0.0, |i| emitters.probability(i)))
+    let probability = |i| world.prepared.emitters.probability(i);
+    PdfDiscrete(environment_light(world).map_or(0.0, probability))
+}
+
+/// The environment's place among the lights.
+fn environment_light(world: &World<'_>) -> Option<usize> {
+    let mut lights = world.prepared.emitters.lights.iter();
+    lights.position(|l| *l == Emitter::Environment)
 }
 
 /// The cell of the environment's sampling grid in the unit direction `direction`, and its probability; `None` where the

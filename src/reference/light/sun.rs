@@ -6,12 +6,14 @@ use crate::reference::core::pdf::{PdfDiscrete, PdfSolidAngle, chosen};
 use crate::reference::scene::fetch::World;
 use glam::DVec3;
 
-/// The suns of the scene, with the probabilities that light selection chooses them.
-pub fn suns<'a>(world: &World<'a>) -> impl Iterator<Item = (Sun, PdfDiscrete)> + 'a {
+/// The suns of the scene that shine, with the probabilities that light selection chooses them.
+pub fn suns(world: &World<'_>) -> impl Iterator<Item = (Sun, PdfDiscrete)> {
     let emitters = &world.prepared.emitters;
     let lights = emitters.lights.iter().enumerate();
     lights.filter_map(|(index, light)| match light {
-        Emitter::Sun(sun) => Some((*sun, PdfDiscrete(emitters.probability(index)))),
+        Emitter::Sun(sun) if world.shines(index) => {
+            Some((*sun, PdfDiscrete(emitters.probability(index))))
+        }
         _ => None,
     })
 }

@@ -34,6 +34,8 @@ pub struct World<'a> {
     pub primitives: Vec<Primitive>,
     /// The hierarchy over them.
     pub bvh: Bvh,
+    /// The group of lights that alone shines; none where all do.
+    pub light_group: Option<u32>,
 }
 
 impl<'a> World<'a> {
@@ -75,8 +77,17 @@ impl<'a> World<'a> {
             prepared,
             bvh: Bvh::new(&boxes),
             primitives,
+            light_group: None,
         }
     }
+
+    /// Whether light `index` shines.
+    pub fn shines(&self, index: usize) -> bool {
+        let groups = &self.prepared.emitters.groups;
+        let group = self.light_group;
+        group.is_none_or(|group| groups.of_light(index) == group)
+    }
+
     /// Name of the shape that primitive `index` is a part of.
     pub fn name_of(&self, index: usize) -> String {
         let shape = self.prepared.primitives[index].shape;

@@ -2,7 +2,7 @@
 
 use super::{RayCounts, Session};
 use crate::error::GpuError;
-use crate::gpu::layout::PixelState;
+use crate::gpu::layout::{GroupMean, PixelState};
 use crate::render::film::Film;
 use std::time::{Duration, Instant};
 
@@ -36,15 +36,22 @@ pub(super) struct Saved {
     pub position: u32,
     /// The pixels' states, region by region; none at the beginning of a block.
     pub states: Vec<Vec<PixelState>>,
+    /// The means of their groups of lights.
+    pub light_groups: Vec<Vec<GroupMean>>,
     at: Instant,
 }
 
 impl Saved {
     /// The block at `position`, as of now.
-    pub fn at(position: u32, states: Vec<Vec<PixelState>>) -> Self {
+    pub fn at(
+        position: u32,
+        states: Vec<Vec<PixelState>>,
+        light_groups: Vec<Vec<GroupMean>>,
+    ) -> Self {
         Self {
             position,
             states,
+            light_groups,
             at: Instant::now(),
         }
     }
@@ -57,7 +64,7 @@ impl Saved {
 
 impl Default for Saved {
     fn default() -> Self {
-        Self::at(0, Vec::new())
+        Self::at(0, Vec::new(), Vec::new())
     }
 }
 
@@ -68,10 +75,12 @@ impl Session<'_> {
     /// The driver fails.
     pub fn save(&mut self) -> Result<(), GpuError> {
         let mut states = Vec::with_capacity(self.regions.len());
+        let mut groups = Vec::with_capacity(self.regions.len());
         for region in &self.regions {
             self.read_states(region, |of_region| states.push(of_region.to_vec()))?;
+            groups.push(self.read_groups(region)?);
         }
-        self.saved = Saved::at(self.position, states);
+        self.saved = Saved::at(self.position, states, groups);
         Ok(())
     }
 
@@ -103,6 +112,12 @@ impl Session<'_> {
                 self.context
                     .queue
                     .write_buffer(region.pixels.raw(), 0, bytes);
+            }
+            for (region, groups) in self.regions.iter().zip(&block.light_groups) {
+                if let Some([buffer, _]) = &region.light_groups {
+                    let bytes = bytemuck::cast_slice(groups);
+                    self.context.queue.write_buffer(buffer.raw(), 0, bytes);
+                }
             }
         })?;
         (self.film, self.rays, self.merged) = (film, rays, merged);

@@ -8,8 +8,8 @@ use crate::support::shader::{Function, call, draw};
 use crate::support::statistics::{accept, correlation_p_value, reject};
 use direkt::reference::core::rng::to_unit;
 use direkt::reference::core::sampler::{
-    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS, GROUP_SPECULAR, SampleId,
-    part_of_sample, random_group,
+    GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS, GROUP_LIGHT_TREE, GROUP_OPACITY,
+    GROUP_SPECULAR, SampleId, part_of_sample, random_group,
 };
 
 const GROUPS: [u32; 3] = [GROUP_FILM, GROUP_LIGHT, GROUP_DIRECTION];
@@ -252,6 +252,17 @@ fn neighbouring_samples_do_not_correlate() {
     }
     for (a, b) in [(0, 1), (0, 2), (1, 2)] {
         pair(&format!("group {a} and {b}"), &groups[a], &groups[b]);
+    }
+    // The word that chooses a way at a specular surface, and all others of the sample.
+    for surface in 0..3 {
+        let way = &samples(base, GROUP_SPECULAR + surface)[..1];
+        for (group, words) in (0..).zip(&groups) {
+            pair(&format!("surface {surface} and group {group}"), way, words);
+        }
+        for group in [GROUP_LIGHT_TREE, GROUP_OPACITY, GROUP_LIGHT_POINTS] {
+            let what = format!("surface {surface} and group {group}");
+            pair(&what, way, &samples(base, group));
+        }
     }
     // Broken: the group is forgotten, so that it repeats the other's numbers; a hundredth of them is enough.
     let forgotten = samples(base, GROUP_FILM);

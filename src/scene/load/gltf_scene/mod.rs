@@ -19,8 +19,8 @@ use super::mesh::{self, NamedMesh};
 use super::transform;
 use crate::error::InputError;
 use crate::scene::{
-    Camera, FilmSize, Geometry, Light, Material, MaterialId, PixelFilter, RenderSettings, Scene,
-    Shape, Texture,
+    Camera, FilmSize, Geometry, Light, LightGroups, Material, MaterialId, PixelFilter,
+    RenderSettings, Scene, Shape, Texture,
 };
 use document::Document;
 use glam::DAffine3;
@@ -59,6 +59,7 @@ pub(super) fn load_scene(path: &Path, folders: &Folders) -> Result<Scene, InputE
         expect: None,
         warnings: imported.warnings,
         filter: PixelFilter::default(),
+        light_groups: LightGroups::default(),
     })
 }
 

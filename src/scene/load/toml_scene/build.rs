@@ -8,7 +8,7 @@ use crate::scene::load::files::{self, Folders};
 use crate::scene::load::gltf_scene::FirstIds;
 use crate::scene::load::texture::Textures;
 use crate::scene::load::{frame, gltf_scene, transform};
-use crate::scene::{Camera, MaterialId, Scene};
+use crate::scene::{Camera, LightGroups, MaterialId, Scene, ShapeId};
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -23,6 +23,8 @@ pub(super) struct Context<'a> {
     pub(super) material_ids: BTreeMap<String, MaterialId>,
     /// Sentences for the user.
     pub(super) warnings: Vec<String>,
+    /// Groups of lights so far.
+    pub(super) light_groups: LightGroups,
 }
 
 impl Context<'_> {
@@ -35,6 +37,18 @@ impl Context<'_> {
     ) -> InputError {
         InputError::new(self.path, field, problem, expected)
     }
+
+    /// The group of lights that `field` names.
+    pub(super) fn group<'a>(
+        &self,
+        name: Option<&'a str>,
+        field: &str,
+    ) -> Result<Option<&'a str>, InputError> {
+        match name.and_then(LightGroups::problem) {
+            Some(problem) => Err(self.error(format!("{field}.group"), problem, LightGroups::NAME)),
+            None => Ok(name),
+        }
+    }
 }
 
 /// The scene that `file`, read from `path`, describes.
@@ -44,6 +58,7 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         folders,
         material_ids: BTreeMap::new(),
         warnings: Vec::new(),
+        light_groups: LightGroups::default(),
     };
     let film = camera::film(&context, &file.film)?;
     let filter = camera::filter(&context, &file.film)?;
@@ -64,7 +79,7 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
     let mut shapes = shapes::all(&mut context, file.shapes, &mut materials, &mut textures)?;
     let (mut textures, mut of_textures) = textures.into_parts();
     context.warnings.append(&mut of_textures);
-    let mut lights = lights::all(&context, &file.lights)?;
+    let mut lights = lights::all(&mut context, &file.lights)?;
     let environment = file
         .environment
         .map(|e| lights::environment(&mut context, &e))
@@ -75,6 +90,19 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
             texture: textures.len(),
         };
         let mut part = include(&context, index, table, first)?;
+        if let Some(group) = context.group(table.group.as_deref(), &format!("gltf[{index}]"))? {
+            for shape in (shapes.len()..)
+                .zip(&part.shapes)
+                .filter(|(_, s)| s.emission.is_some())
+            {
+                context
+                    .light_groups
+                    .add_shape(ShapeId(shape.0 as u32), group);
+            }
+            for light in lights.len()..lights.len() + part.lights.len() {
+                context.light_groups.add_light(light, group);
+            }
+        }
         textures.append(&mut part.textures);
         shapes.append(&mut part.shapes);
         materials.append(&mut part.materials);
@@ -106,6 +134,7 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         expect,
         warnings: context.warnings,
         filter,
+        light_groups: context.light_groups,
     })
 }
 

@@ -139,6 +139,8 @@ pub(super) struct GltfTable {
     /// Steps that place it, the first listed is applied first. Radiance and intensities stay as they are.
     #[serde(default)]
     pub(super) transform: Vec<TransformStep>,
+    /// Group of all its lights and surfaces that emit; `default` when left out.
+    pub(super) group: Option<String>,
 }
 
 /// A light without a surface.
@@ -148,6 +150,8 @@ pub(super) struct LightTable {
     /// Its kind.
     #[schemars(flatten)]
     pub(super) kind: LightKind,
+    /// Group in which its light is kept apart by the AOV `light-groups`; `default` when left out.
+    pub(super) group: Option<String>,
 }
 
 /// Kinds of lights without a surface.
@@ -227,6 +231,8 @@ pub(super) struct EnvironmentTable {
     /// Factor on the radiance.
     #[serde(default = "one")]
     pub(super) scale: f64,
+    /// Group in which its light is kept apart by the AOV `light-groups`; `default` when left out.
+    pub(super) group: Option<String>,
 }
 
 /// The exact image: `radiance` or `pixels`.

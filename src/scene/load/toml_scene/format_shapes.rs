@@ -116,6 +116,8 @@ pub(super) struct EmissionTable {
     /// Whether the back emits as well.
     #[serde(default)]
     pub(super) two_sided: bool,
+    /// Group in which its light is kept apart by the AOV `light-groups`; `default` when left out.
+    pub(super) group: Option<String>,
 }
 
 /// A factor for all axes, or one for each.

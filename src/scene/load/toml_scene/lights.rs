@@ -8,12 +8,16 @@ use crate::scene::{Environment, EnvironmentRadiance, Light};
 use glam::{DMat3, DVec3};
 
 /// The lights of the `[[lights]]` tables.
-pub(super) fn all(context: &Context, tables: &[LightTable]) -> Result<Vec<Light>, InputError> {
-    tables
-        .iter()
-        .enumerate()
-        .map(|(index, table)| light(context, table, &format!("lights[{index}]")))
-        .collect()
+pub(super) fn all(context: &mut Context, tables: &[LightTable]) -> Result<Vec<Light>, InputError> {
+    let mut lights = Vec::with_capacity(tables.len());
+    for (index, table) in tables.iter().enumerate() {
+        let field = format!("lights[{index}]");
+        if let Some(group) = context.group(table.group.as_deref(), &field)? {
+            context.light_groups.add_light(index, group);
+        }
+        lights.push(light(context, table, &field)?);
+    }
+    Ok(lights)
 }
 
 fn light(context: &Context, table: &LightTable, field: &str) -> Result<Light, InputError> {
@@ -100,6 +104,9 @@ pub(super) fn environment(
             ));
         }
     };
+    if let Some(group) = context.group(table.group.as_deref(), "environment")? {
+        context.light_groups.set_environment(group);
+    }
     Ok(Environment {
         radiance,
         rotation: DMat3::from_rotation_y(table.rotation.to_radians()),

@@ -29,7 +29,7 @@ const TAGGED: [(&str, &[&str]); 3] = [
         &["double_sided", "textures", "opacity", "alpha_cutoff"],
     ),
     ("shapes", &["name", "material", "emission", "transform"]),
-    ("lights", &[]),
+    ("lights", &["group"]),
 ];
 
 /// Moves the keys that depend on the `type` into a table `kind.TYPE`: from there serde reads them as an enum, and

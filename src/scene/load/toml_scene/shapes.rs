@@ -10,7 +10,7 @@ use crate::scene::load::mesh;
 use crate::scene::load::texture::{Meaning, Textures};
 use crate::scene::load::transform;
 use crate::scene::{
-    Bsdf, Emission, Geometry, Material, MaterialId, MaterialTextures, Opacity, Shape,
+    Bsdf, Emission, Geometry, Material, MaterialId, MaterialTextures, Opacity, Shape, ShapeId,
 };
 use glam::DVec3;
 
@@ -37,6 +37,8 @@ pub(super) fn all(
             .as_ref()
             .map(|e| emission(context, e, &field, textures))
             .transpose()?;
+        let group = table.emission.as_ref().and_then(|e| e.group.as_deref());
+        let group = context.group(group, &format!("{field}.emission"))?;
         let to_world = placement(context, &table.transform, &field)?;
         let name = match &table.name {
             Some(name) => format!("{field}: {name}"),
@@ -53,6 +55,10 @@ pub(super) fn all(
             }
             if emission.is_some_and(|e| e.texture.is_some()) {
                 check_coordinates(context, &geometry, &field)?;
+            }
+            if let Some(group) = group {
+                let id = u32::try_from(shapes.len()).expect("fewer than 2³² shapes");
+                context.light_groups.add_shape(ShapeId(id), group);
             }
             shapes.push(Shape {
                 name: format!("{name}{part}"),
