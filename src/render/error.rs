@@ -11,7 +11,8 @@
 //! a product of two independent numbers whose means are zero. So whatever the sampler and however heavy the tails of its
 //! samples, the squared half differences estimate the squared error of *this* image without bias. What they miss it by has
 //! the variance (2V)², with V the variance of the image's pixel, and E((a − b)/2)⁴ = 3V² tells it: exactly where errors are
-//! normal, too large where their tails are heavier.
+//! normal, too large where their tails are heavier. But a single difference tells it badly, and nothing where both replicates
+//! are wrong alike; so the scatter of the pixel's samples counts half at the least.
 
 use super::film::{Film, Pixel};
 use super::neighbourhood::box_mean;
@@ -60,9 +61,10 @@ impl Film {
     /// The image's error, its interval holding with the probability `confidence`; `None` while a pixel has not two
     /// samples, one of each replicate, or when the image is black.
     ///
-    /// In the denominators stands what the image suggests for the truth. That it is noisy makes the estimate too small or
-    /// too large, as errors are skewed or not; how much it may be is told by denominators with their noise added to them,
-    /// and the interval is so much wider.
+    /// In the denominators D stands what the image suggests for the truth r. Its noise, of variance ρV, is of two consequences.
+    /// By chance D = r² is off by 2r√(ρV), pixel by pixel, which adds 4ρ(V/D)³ to the variance of the pixel's term. On the
+    /// whole it makes the estimate too small or too large, as errors are skewed or not; how much it may be is told by
+    /// denominators with their noise added to them, and the interval is so much wider.
     pub fn error_at(&self, confidence: f64) -> Option<ImageError> {
         let mean = self.mean();
         let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
@@ -72,27 +74,36 @@ impl Film {
             return None;
         }
         let truth = self.squared_truth(&noise)?;
-        let terms = noise.par_iter().zip(&truth).map(|(noise, truth)| {
+        let variances = self.variances()?;
+        let pixels = noise.par_iter().zip(&truth).zip(&variances);
+        let terms = pixels.map(|((noise, truth), variances)| {
             let (mut term, mut with_noise) = (0.0, 0.0);
+            let (mut relative, mut of_denominator) = (0.0, 0.0);
             for c in 0..3 {
                 let denominator = truth[c].square + floor;
                 let its_noise = truth[c].noise * noise[c];
                 term += noise[c] / denominator / 3.0;
                 with_noise += noise[c] / (denominator + its_noise) / 3.0;
+                let variance = variances[c] / denominator;
+                relative += variance / 3.0;
+                of_denominator += 4.0 * truth[c].noise * variance.powi(3) / 3.0;
             }
-            [term, term - with_noise, term.powi(2), term.powi(4)]
+            let by_replicates = 4.0 / 3.0 * term.powi(2);
+            let by_scatter = 2.0 * relative.powi(2);
+            let variance = by_replicates.max(by_scatter) + of_denominator;
+            [term, term - with_noise, variance, variance.powi(2)]
         });
-        let [sum, of_denominators, squares, fourth] = terms.reduce(
+        let [sum, of_denominators, variance, squares] = terms.reduce(
             || [0.0; 4],
             |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]],
         );
         // How many pixels share the variance: few products of errors are no normal variable.
-        let freedom = if fourth > 0.0 {
-            squares * squares / fourth
+        let freedom = if squares > 0.0 {
+            variance * variance / squares
         } else {
             f64::INFINITY
         };
-        let by_chance = student(freedom, confidence) * (4.0 / 3.0 * squares).sqrt();
+        let by_chance = student(freedom, confidence) * variance.sqrt();
         let pixels = self.pixels.len() as f64;
         let half = by_chance.hypot(of_denominators) / pixels;
         let interval = Interval::positive(sum / pixels, half);
@@ -132,24 +143,31 @@ impl Film {
     /// 1980, "Digital Image Enhancement and Noise Filtering by Use of Local Statistics"). With x the value found so and h
     /// half the difference of what the replicates say, r² is taken as x² − h²·(1 − h²/x²): without the noise h² in x², but x²
     /// itself where one replicate alone has met any light (h = x), as nothing is known of such a pixel.
+    ///
+    /// A pixel brighter than those around is told from one with a rare bright sample by its replicates: the lesser of them is
+    /// what the pixel has at the least, and its square is what r² is taken for where that is more and the replicates' noise
+    /// is large beside it.
     fn squared_truth(&self, noise: &[[f64; 3]]) -> Option<Vec<[SquaredTruth; 3]>> {
         let replicates: Option<Vec<_>> = self.pixels.iter().map(Pixel::replicates).collect();
         let replicates = replicates?;
         let values: Vec<_> = self.pixels.iter().map(|p| p.mean).collect();
         let squares: Vec<_> = values.iter().map(|v| v.map(|v| v * v)).collect();
         let around = |values: &[[f64; 3]]| box_mean(values, self.size, MEAN_RADIUS);
-        let (local, squares, noise) = (around(&values), around(&squares), around(noise));
+        let (local, squares, noise_around) = (around(&values), around(&squares), around(noise));
         let truth = (0..values.len()).into_par_iter().map(|i| {
             [0, 1, 2].map(|c| {
                 let mean = local[i][c];
                 let spread = squares[i][c] - mean * mean;
-                let signal = (spread - 2.0 * noise[i][c]).max(0.0);
+                let signal = (spread - 2.0 * noise_around[i][c]).max(0.0);
                 let keep = if spread > 0.0 { signal / spread } else { 0.0 };
                 let [a, b] = replicates[i].map(|r| mean + keep * (r[c] - mean));
-                let (square, noise) = ((0.5 * (a + b)).powi(2), (0.5 * (a - b)).powi(2));
-                let share = if square > noise { noise / square } else { 1.0 };
+                let (square, left) = ((0.5 * (a + b)).powi(2), (0.5 * (a - b)).powi(2));
+                let share = if square > left { left / square } else { 1.0 };
+                let square = square * (1.0 - share * (1.0 - share));
+                let least = replicates[i][0][c].min(replicates[i][1][c]).powi(2);
+                let doubt = noise[i][c] / (noise[i][c] + square).max(f64::MIN_POSITIVE);
                 SquaredTruth {
-                    square: square * (1.0 - share * (1.0 - share)),
+                    square: square.max(doubt * least),
                     noise: keep * keep + (1.0 - keep * keep) / LOCAL_PIXELS,
                 }
             })
