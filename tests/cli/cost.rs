@@ -1,5 +1,6 @@
 //! `direkt cost`, as a user runs it.
 
+mod effects;
 #[cfg(unix)]
 mod interrupt;
 
