@@ -318,12 +318,12 @@ impl<'a, 's> Work<'a, 's> {
 }
 
 /// One estimator's seconds of each image.
-fn times(measured: &Finished) -> Vec<Vec<f64>> {
+fn times(measured: &[(Replicates, ImageError)]) -> Vec<Vec<f64>> {
     measured.iter().map(|(r, _)| r.seconds.clone()).collect()
 }
 
 /// One estimator's points: how its times scatter is told from all of them together.
-fn points(measured: &Finished, times: &[Vec<f64>]) -> Vec<Point> {
+fn points(measured: &[(Replicates, ImageError)], times: &[Vec<f64>]) -> Vec<Point> {
     let spread = time_spread(times);
     let point = |(r, error): &(Replicates, _)| Point::new(r.samples, &r.seconds, spread, *error);
     measured.iter().map(point).collect()
