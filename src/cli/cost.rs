@@ -1,15 +1,17 @@
 //! `direkt cost`: what accuracy costs in time, for every estimator.
 
+mod text;
+
 use super::calibrate::{CalibrateArguments, print_table};
+use super::explain::parse_effect;
 use super::interrupt::Interrupt;
 use super::settings::{ImageArguments, SceneListArguments};
 use super::{AdapterArgument, JsonArgument, print, progress};
 use crate::cost::calibrate::{Calibration, calibrate};
 use crate::cost::estimator::{self, Choices};
-use crate::cost::{SceneCost, Settings, measure};
+use crate::cost::{Compiled, SceneCost, Settings, measure};
 use crate::error::Error;
 use crate::gpu::Context;
-use crate::report::format::{number, range, seconds, short, slope};
 use crate::report::{self, csv, machine::Machine};
 use crate::scene::{LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
 use clap::ValueEnum;
@@ -52,6 +54,10 @@ pub struct Arguments {
     /// Samplers to compare [default: independent,sobol; with --calibrate all]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     samplers: Vec<Sampler>,
+    /// Effects to compile in without need, each beside every estimator as the scene calls for it, or `everything` at once: they
+    /// give the same image, which is checked bit for bit, and what they cost is time. `direkt explain` names the effects
+    #[arg(long, value_name = "LIST", value_parser = parse_compiled, value_delimiter = ',', conflicts_with = "calibrate")]
+    effects: Vec<Compiled>,
     /// Relative mean squared error whose price is told
     #[arg(long, value_name = "RELMSE", default_value_t = 1e-3)]
     target_error: f64,
@@ -134,7 +140,7 @@ fn measure_scene(
     let cost = measure(&bench.context, scene, settings, &mut show, &stop)?;
     progress.finish();
     if let Some(cost) = cost.as_ref().filter(|_| !bench.quiet) {
-        print(&summary(cost))?;
+        print(&text::summary(cost))?;
     }
     Ok(cost)
 }
@@ -244,6 +250,7 @@ impl Arguments {
             shadow_rays: or(&self.shadow_rays, &[render.shadow_rays]),
             shadow_patterns: or(&self.shadow_patterns, &[render.shadow_pattern]),
             samplers: or(&self.samplers, &[Sampler::Independent, Sampler::Sobol]),
+            effects: [&[Compiled::CalledFor], self.effects.as_slice()].concat(),
         };
         Settings {
             estimators: estimator::combinations(&choices),
@@ -261,45 +268,19 @@ fn nothing_to_tell() -> ExitCode {
     ExitCode::FAILURE
 }
 
+/// `everything`, or an effect by its name.
+fn parse_compiled(name: &str) -> Result<Compiled, String> {
+    if name == Compiled::EVERYTHING {
+        return Ok(Compiled::WithEverything);
+    }
+    let all = Compiled::EVERYTHING;
+    let effect = parse_effect(name).map_err(|message| format!("{message}, or {all}"))?;
+    Ok(Compiled::With(effect))
+}
+
 /// `list`, or `default` where it is empty.
 pub fn or<T: Clone>(list: &[T], default: &[T]) -> Vec<T> {
     if list.is_empty() { default } else { list }.to_vec()
-}
-
-/// The table that is printed.
-fn summary(cost: &SceneCost) -> String {
-    let mut out = format!(
-        "{}: {} × {}, {:.1} s of rendering\n  rank  {:<40}{:>34}{:>12}{:>16}{:>12}\n",
-        cost.scene,
-        cost.width,
-        cost.height,
-        cost.seconds,
-        "estimator",
-        "efficiency 1/(relMSE·s)",
-        "per sample",
-        "slope",
-        format!("to {}", short(cost.target)),
-    );
-    for e in report::ranked(cost) {
-        let interval = e.efficiency;
-        let efficiency = format!("{} {}", number(interval.value), range(&interval, number));
-        let slope = slope(e.slope_samples);
-        let reached = e.reached.iter();
-        let reached = reached.filter(|r| (r.target / cost.target - 1.0).abs() < 1e-9);
-        let reached = reached.map(|r| r.seconds.value).next();
-        out.push_str(&format!(
-            "  {:>3}{}  {:<40}{efficiency:>34}{:>12}{slope:>16}{:>12}\n",
-            e.rank.rank,
-            if e.rank.ties.is_empty() { " " } else { "=" },
-            e.name,
-            seconds(e.seconds_per_sample.value),
-            reached.map_or_else(|| "—".to_owned(), seconds),
-        ));
-    }
-    for n in &cost.not_applicable {
-        out.push_str(&format!("     —  {}: {}\n", n.estimator, n.reason));
-    }
-    out
 }
 
 /// The progress bar: how much of the budget is spent.
@@ -357,6 +338,18 @@ pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::Effect;
+
+    #[test]
+    fn everything_is_no_effect() {
+        assert_eq!(parse_compiled("everything"), Ok(Compiled::WithEverything));
+        for effect in Effect::ALL.iter().filter(|e| e.can_be_forced()) {
+            assert_eq!(parse_compiled(effect.name()), Ok(Compiled::With(*effect)));
+        }
+        for wrong in ["sobol-sampler", ""] {
+            assert!(parse_compiled(wrong).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn durations_are_parsed() {

@@ -179,7 +179,7 @@ impl Arguments {
 }
 
 /// An effect by its name.
-fn parse_effect(name: &str) -> Result<Effect, String> {
+pub(super) fn parse_effect(name: &str) -> Result<Effect, String> {
     let mut all = Effect::ALL.iter().copied().filter(|e| e.can_be_forced());
     let names: Vec<_> = all.clone().map(Effect::name).collect();
     all.find(|e| e.name() == name).ok_or_else(|| {

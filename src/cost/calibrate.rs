@@ -100,7 +100,7 @@ pub fn calibrate(
             return Err(Error::Usage(format!("{source}: {estimator}: {reason}")));
         }
         progress(&format!("compiling {estimator}"), 0.0);
-        let mut runner = Runner::new(context, &prepared, scene.film, estimator)?;
+        let mut runner = Runner::new(context, prepared, scene.film, estimator, None)?;
         match one(scene, &mut runner, settings, progress, stop) {
             Ok(calibration) => calibrations.push(calibration),
             Err(Halt::Stopped) => break,

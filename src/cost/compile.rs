@@ -24,6 +24,15 @@ impl<'a> Work<'a, '_> {
             if (self.stop)() {
                 return Err(Halt::Stopped);
             }
+            // What the scene cannot use without further effects it cannot use with them.
+            let called_for = estimator.as_called_for();
+            if self
+                .not_applicable
+                .iter()
+                .any(|n| n.estimator == called_for)
+            {
+                continue;
+            }
             progress(&format!("compiling {estimator}"), 0.0);
             let prepared = match usable(scene, estimator, &compiled) {
                 Ok(prepared) => prepared,
@@ -34,7 +43,8 @@ impl<'a> Work<'a, '_> {
                 }
             };
             compiled.push((estimator.effective(&prepared), estimator));
-            let runner = Runner::new(context, &prepared, scene.film, estimator)?;
+            let stamp = Some(self.stamps.draw());
+            let runner = Runner::new(context, prepared, scene.film, estimator, stamp)?;
             self.runners.push(runner);
         }
         if self.runners.is_empty() {
@@ -58,7 +68,8 @@ impl<'a> Work<'a, '_> {
             };
             progress("compiling the reference", 0.0);
             let prepared = prepare(scene, estimator).map_err(Error::from)?;
-            self.own = Some(Runner::new(context, &prepared, scene.film, estimator)?);
+            let runner = Runner::new(context, prepared, scene.film, estimator, None)?;
+            self.own = Some(runner);
         }
         Ok(())
     }
@@ -74,6 +85,9 @@ fn usable(
     let prepared = prepare(scene, estimator)
         .map_err(|e| format!("{}: {}; expected {}", e.field, e.problem, e.expected))?;
     if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
+        return Err(reason);
+    }
+    if let Some(reason) = estimator.effects.why_not(&prepared.effects) {
         return Err(reason);
     }
     let effective = estimator.effective(&prepared);

@@ -1,5 +1,6 @@
 //! Which estimators are compared on a scene.
 
+use super::effects::Compiled;
 use crate::effects::Effect;
 use crate::emitters::{Emitter, Emitters};
 use crate::render::Prepared;
@@ -23,6 +24,8 @@ pub struct Estimator {
     pub shadow_pattern: ShadowPattern,
     /// How random numbers are made.
     pub sampler: Sampler,
+    /// The effects that it is compiled with.
+    pub effects: Compiled,
 }
 
 impl Estimator {
@@ -35,6 +38,15 @@ impl Estimator {
             shadow_rays: settings.shadow_rays,
             shadow_pattern: settings.shadow_pattern,
             sampler: settings.sampler,
+            effects: Compiled::CalledFor,
+        }
+    }
+
+    /// The same with the effects that the scene calls for: both give the same image, bit for bit.
+    pub fn as_called_for(self) -> Self {
+        Self {
+            effects: Compiled::CalledFor,
+            ..self
         }
     }
 
@@ -65,7 +77,7 @@ impl Estimator {
         }
     }
 
-    /// Its name with light selection, shadow rays and their pattern, each where `told`.
+    /// Its name with light selection, shadow rays and their pattern, and effects, each where `told`.
     fn name(&self, told: Told) -> String {
         let mut name = format!("{} · {}", self.strategy, self.sampler);
         let mut tell = |told: bool, what: String| {
@@ -82,11 +94,12 @@ impl Estimator {
         let plural = if self.shadow_rays == 1 { "" } else { "s" };
         tell(told.rays, format!("{} ray{plural}", self.shadow_rays));
         tell(told.pattern, self.shadow_pattern.to_string());
+        tell(told.effects, self.effects.to_string());
         name
     }
 }
 
-/// The whole name, without the shadow rays where there is nothing to say of them.
+/// The whole name, without the shadow rays and effects where there is nothing to say of them.
 impl std::fmt::Display for Estimator {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let told = Told {
@@ -94,6 +107,7 @@ impl std::fmt::Display for Estimator {
             selection: true,
             rays: self.shadow_rays != 1,
             pattern: self.shadow_pattern != ShadowPattern::Random,
+            effects: self.effects != Compiled::CalledFor,
         };
         f.write_str(&self.name(told))
     }
@@ -106,6 +120,7 @@ struct Told {
     selection: bool,
     rays: bool,
     pattern: bool,
+    effects: bool,
 }
 
 /// Names of `estimators`, which tell what differs among them.
@@ -120,6 +135,7 @@ pub fn names(estimators: &[Estimator]) -> Vec<String> {
         selection: differ(&|e| e.light_selection as u32),
         rays: differ(&|e| e.shadow_rays),
         pattern: differ(&|e| e.shadow_pattern as u32),
+        effects: estimators.iter().any(|e| e.effects != Compiled::CalledFor),
     };
     estimators.iter().map(|e| e.name(told)).collect()
 }
@@ -149,6 +165,8 @@ pub struct Choices {
     pub shadow_patterns: Vec<ShadowPattern>,
     /// How random numbers are made.
     pub samplers: Vec<Sampler>,
+    /// The effects that they are compiled with.
+    pub effects: Vec<Compiled>,
 }
 
 impl Choices {
@@ -161,12 +179,13 @@ impl Choices {
             shadow_rays: vec![settings.shadow_rays],
             shadow_patterns: vec![settings.shadow_pattern],
             samplers: vec![settings.sampler],
+            effects: vec![Compiled::CalledFor],
         }
     }
 }
 
 /// All combinations, each once. Strategies that say themselves how a point of a light is chosen are combined with the
-/// default alone.
+/// default alone. Those that differ in their effects alone follow one another.
 pub fn combinations(choices: &Choices) -> Vec<Estimator> {
     let mut all = vec![Estimator::of(&RenderSettings::default())];
     vary(&mut all, &choices.strategies, |e, v| e.strategy = v);
@@ -183,6 +202,7 @@ pub fn combinations(choices: &Choices) -> Vec<Estimator> {
         e.shadow_pattern = v;
     });
     vary(&mut all, &choices.samplers, |e, v| e.sampler = v);
+    vary(&mut all, &choices.effects, |e, v| e.effects = v);
     let mut seen = Vec::new();
     all.retain(|e| {
         let new = !seen.contains(e);
@@ -291,6 +311,19 @@ mod tests {
             "mis-power · independent · 1 ray · stratified",
             "mis-power · independent · 4 rays · random",
             "mis-power · independent · 4 rays · stratified",
+        ];
+        assert_eq!(names(&combinations(&choices)), expected);
+        choices.shadow_rays.truncate(1);
+        choices.shadow_patterns.truncate(1);
+        choices.effects = vec![
+            Compiled::CalledFor,
+            Compiled::With(Effect::DepthOfField),
+            Compiled::WithEverything,
+        ];
+        let expected = [
+            "mis-power · independent · called for",
+            "mis-power · independent · + depth-of-field",
+            "mis-power · independent · + everything",
         ];
         assert_eq!(names(&combinations(&choices)), expected);
     }

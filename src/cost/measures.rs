@@ -56,6 +56,26 @@ pub fn time_spread(groups: &[Vec<f64>]) -> (f64, f64) {
     ((m2 / f64::max(freedom, 1.0)).sqrt(), freedom)
 }
 
+/// Times over those of runs beside them, in pairs, at the largest number of samples: the ratio of their means, with how the
+/// logarithms of the ratios scatter there and at the three numbers before, whose runs are not much shorter.
+pub fn time_ratio(times: &[Vec<f64>], others: &[Vec<f64>]) -> Interval {
+    let pairs = times.iter().zip(others);
+    let of_count = |(a, b): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+        a.iter().zip(b).map(|(a, b)| a / b).collect()
+    };
+    let ratios: Vec<_> = pairs.map(of_count).collect();
+    let (spread, freedom) = time_spread(&ratios[ratios.len().saturating_sub(4)..]);
+    let sum = |times: &[Vec<f64>]| times.last().map_or(0.0, |last| last.iter().sum::<f64>());
+    let count = ratios.last().map_or(0, Vec::len).max(1) as f64;
+    let value = sum(times) / sum(others);
+    let factor = (student_95(freedom) * spread / count.sqrt()).exp();
+    Interval {
+        value,
+        low: value / factor,
+        high: value * factor,
+    }
+}
+
 impl Point {
     /// A point of `seconds` per run, whose logarithms have the standard deviation `spread.0` by `spread.1` degrees of
     /// freedom.
@@ -133,21 +153,30 @@ impl Lines {
 /// The place of an estimator among all.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Rank {
-    /// 1 plus the number of estimators whose whole interval lies above this one's.
+    /// 1 plus the number of estimators that are better: whose whole interval lies above this one's, or the interval of whose
+    /// ratio to it, where times were measured in pairs, above 1.
     pub rank: usize,
-    /// Indices of those whose intervals overlap with this one's.
+    /// Indices of those that are neither better nor worse.
     pub ties: Vec<usize>,
 }
 
-/// Ranks efficiencies.
-pub fn ranks(efficiencies: &[Interval]) -> Vec<Rank> {
-    let rank = |(i, e): (usize, &Interval)| Rank {
-        rank: 1 + efficiencies.iter().filter(|o| o.low > e.high).count(),
-        ties: (0..efficiencies.len())
-            .filter(|&j| j != i && e.overlaps(&efficiencies[j]))
+/// Ranks efficiencies. `ratio` of two indices is their ratio where it is known better than from the two intervals.
+pub fn ranks(
+    efficiencies: &[Interval],
+    ratio: impl Fn(usize, usize) -> Option<Interval>,
+) -> Vec<Rank> {
+    let better = |i: usize, j: usize| {
+        ratio(i, j).map_or(efficiencies[i].low > efficiencies[j].high, |r| r.low > 1.0)
+    };
+    let all = 0..efficiencies.len();
+    let rank = |i: usize| Rank {
+        rank: 1 + all.clone().filter(|&j| better(j, i)).count(),
+        ties: all
+            .clone()
+            .filter(|&j| j != i && !better(i, j) && !better(j, i))
             .collect(),
     };
-    efficiencies.iter().enumerate().map(rank).collect()
+    all.clone().map(rank).collect()
 }
 
 #[cfg(test)]
@@ -226,11 +255,47 @@ mod tests {
     #[test]
     fn overlapping_estimators_are_ties() {
         let around = |value: f64| Interval::around(value, 1.0);
-        let found = ranks(&[around(10.0), around(11.5), around(20.0), around(1.0)]);
+        let all = [around(10.0), around(11.5), around(20.0), around(1.0)];
+        let found = ranks(&all, |_, _| None);
         let of = |i: usize| (found[i].rank, found[i].ties.as_slice());
         assert_eq!(of(0), (2, [1].as_slice()));
         assert_eq!(of(1), (2, [0].as_slice()));
         assert_eq!(of(2), (1, [].as_slice()));
         assert_eq!(of(3), (4, [].as_slice()));
+    }
+
+    #[test]
+    fn ratios_in_pairs_break_ties() {
+        let all = [10.0, 9.0, 9.5].map(|value| Interval::around(value, 2.0));
+        let ratio = |i: usize, j: usize| match (i, j) {
+            (0, 1) => Some(Interval::around(1.1, 0.05)),
+            (1, 0) => Some(Interval::around(0.9, 0.05)),
+            _ => None,
+        };
+        let found = ranks(&all, ratio);
+        let of = |i: usize| (found[i].rank, found[i].ties.as_slice());
+        assert_eq!(of(0), (1, [2].as_slice()));
+        assert_eq!(of(1), (2, [2].as_slice()));
+        assert_eq!(of(2), (1, [0, 1].as_slice()));
+    }
+
+    /// Times that scatter together have ratios that do not.
+    #[test]
+    fn times_are_compared_in_pairs() {
+        let others = [vec![9.0, 1.0], vec![1.0, 2.0], vec![2.0, 6.0, 7.0]];
+        let times = others
+            .clone()
+            .map(|t| t.iter().map(|t| 1.25 * t).collect::<Vec<_>>());
+        let exact = time_ratio(&times, &others);
+        assert!((exact.value - 1.25).abs() < 1e-12 && exact.high - exact.low < 1e-12);
+
+        let logarithms = [vec![-0.1, 0.1], vec![0.0, 0.0], vec![-0.1, 0.1]];
+        let times = logarithms.map(|l| l.iter().map(|l: &f64| l.exp()).collect::<Vec<_>>());
+        let others = [(); 3].map(|()| vec![1.0; 2]);
+        let scattered = time_ratio(&times, &others);
+        // Variance (0.02 + 0 + 0.02)/3, two pairs, Student's quantile of three degrees of freedom 3.1824.
+        let expected = 3.182_4 * (0.04_f64 / 3.0 / 2.0).sqrt();
+        assert!(((scattered.high / scattered.value).ln() - expected).abs() < 1e-4);
+        assert!((scattered.value - 0.1_f64.cosh()).abs() < 1e-12);
     }
 }

@@ -13,10 +13,12 @@
 //! | efficiency | 1/(V·T) with V = relMSE · n, the relative variance of one sample, and T = seconds/n: 1/(relMSE · seconds), at the largest count |
 //! | time to a target | where the line through ln relMSE against ln seconds meets it |
 //! | rank | 1 plus the number of estimators whose efficiency's interval lies above; overlapping intervals are ties |
+//! | effects | the same estimator with effects compiled in without need ([`effects`]): same random numbers, images compared bit for bit, times in pairs, hence ranks by the ratio's interval |
 
 pub mod calibrate;
 mod compile;
 mod conclude;
+pub mod effects;
 pub mod error;
 pub mod estimator;
 pub mod fit;
@@ -26,7 +28,9 @@ pub mod measures;
 pub mod reference;
 pub mod runner;
 mod schedule;
+mod turns;
 
+pub use effects::{Compiled, WithoutNeed};
 pub use estimator::{Estimator, NotApplicable};
 pub use interval::Interval;
 pub use measures::{Point, Rank, Reached};
@@ -111,7 +115,7 @@ pub struct EstimatorCost {
     pub estimator: Estimator,
     /// Why its images do not converge to direct lighting, so that its error does not fall to zero; none where they do.
     pub biased: Option<String>,
-    /// Seconds that compiling its kernel took, the driver's part included.
+    /// Seconds that compiling its kernel took once, the driver's part included, nothing kept from before.
     pub compile_seconds: f64,
     /// Seconds per sample of one pixel, at the largest count.
     pub seconds_per_sample: Interval,
@@ -134,6 +138,8 @@ pub struct EstimatorCost {
     pub dropped: u64,
     /// An image of about the same time as the others'; none where measuring ended before it was rendered.
     pub equal_time: Option<EqualTime>,
+    /// What the effects cost that are compiled in without need; none where there are none.
+    pub without_need: Option<WithoutNeed>,
 }
 
 /// An image at equal time.

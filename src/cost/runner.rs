@@ -1,8 +1,10 @@
 //! Renders of one estimator, and the clock.
 
+use super::effects::Agreement;
 use super::error::Errors;
 use super::estimator::Estimator;
 use super::halt::Halt;
+use crate::effects::Effect;
 use crate::error::{GpuError, InputError};
 use crate::gpu::Context;
 use crate::render::goal::{Look, Watch};
@@ -67,20 +69,33 @@ pub struct Runner<'a> {
     pub seconds_per_count: f64,
     /// Samples that were not finite and were dropped.
     pub dropped: u64,
+    /// Effects that are compiled in without need.
+    pub without_need: Vec<Effect>,
+    /// Whether its images are those that it gives without them.
+    pub agreement: Agreement,
 }
 
 impl<'a> Runner<'a> {
-    /// Compiles `estimator` for `scene`.
+    /// Compiles `estimator` for what `prepared` was made from; anew where there is a `stamp`, as
+    /// [`Session::compiled_anew`] says.
     ///
     /// # Errors
     /// The scene is too large for the adapter, or the driver fails.
     pub fn new(
         context: &'a Context,
-        prepared: &Prepared,
+        mut prepared: Prepared,
         size: FilmSize,
         estimator: Estimator,
+        stamp: Option<u32>,
     ) -> Result<Self, GpuError> {
-        let session = Session::new(context, prepared, size, 0)?;
+        let without_need = estimator.effects.without_need(&prepared.effects);
+        for &effect in &without_need {
+            prepared.effects.call_for(effect, || "forced".to_owned());
+        }
+        let session = match stamp {
+            Some(stamp) => Session::compiled_anew(context, &prepared, size, 0, stamp)?,
+            None => Session::new(context, &prepared, size, 0)?,
+        };
         Ok(Self {
             estimator,
             compile_seconds: session.compile_seconds,
@@ -90,6 +105,8 @@ impl<'a> Runner<'a> {
             primitives: prepared.primitives.len(),
             seconds_per_count: f64::INFINITY,
             dropped: 0,
+            without_need,
+            agreement: Agreement::default(),
         })
     }
 
@@ -166,7 +183,7 @@ pub struct Replicates {
     pub errors: Errors,
 }
 
-/// The scene as `estimator` renders it, ready.
+/// The scene as `estimator` renders it, ready, with the effects that it calls for.
 ///
 /// # Errors
 /// It has too many lights for the estimator.

@@ -9,6 +9,7 @@ use super::runner::{Replicates, Runner, Seeds};
 use super::{EqualTime, Progress, SceneCost, Settings};
 use crate::error::Error;
 use crate::gpu::Context;
+use crate::render::Stamps;
 use crate::scene::{Sampler, Scene};
 
 /// Part of the budget for a reference of one's own.
@@ -33,16 +34,22 @@ pub(super) struct Work<'a, 's> {
     pub(super) own: Option<Runner<'a>>,
     pub(super) not_applicable: Vec<NotApplicable>,
     pub(super) seeds: Seeds,
+    pub(super) stamps: Stamps,
     /// Seconds of rendering so far.
     pub(super) spent: f64,
     /// Whether to end.
     pub(super) stop: &'s dyn Fn() -> bool,
 }
 
+/// What one estimator gave at growing numbers of samples.
+type Finished = Vec<(Replicates, ImageError)>;
+
 /// What a result is told from.
 pub(super) struct Measured {
     /// Per estimator the points.
     pub(super) curves: Vec<Vec<Point>>,
+    /// Per estimator and number of samples the seconds of each image.
+    pub(super) times: Vec<Vec<Vec<f64>>>,
     /// Seconds that an image at equal time takes.
     pub(super) equal_seconds: f64,
     /// Per estimator the image; none once it was interrupted.
@@ -107,6 +114,7 @@ impl<'a, 's> Work<'a, 's> {
             own: None,
             not_applicable: Vec::new(),
             seeds: Seeds::new(settings.seed),
+            stamps: Stamps::now(),
             spent: 0.0,
             stop,
         }
@@ -195,7 +203,8 @@ impl<'a, 's> Work<'a, 's> {
 
     /// The curves, then the images at equal time: as far as it gets.
     fn measure(&mut self, reference: &Reference, progress: Progress<'_>) -> Result<Measured, Halt> {
-        let (curves, mut interrupted) = self.curves(reference, progress)?;
+        let (finished, mut interrupted) = self.curves(reference, progress)?;
+        let times: Vec<_> = finished.iter().map(|of_one| times(of_one)).collect();
         let share = EQUAL_TIME_SHARE * self.settings.budget / self.runners.len() as f64;
         let slowest = self.runners.iter().map(|r| r.seconds_per_count);
         let equal_seconds = slowest.fold(share, f64::max);
@@ -210,22 +219,25 @@ impl<'a, 's> Work<'a, 's> {
             interrupted |= image.is_none();
             equal_time.push(image);
         }
+        let curves = finished.iter().zip(&times);
         Ok(Measured {
-            curves,
+            curves: curves
+                .map(|(of_one, times)| points(of_one, times))
+                .collect(),
+            times,
             equal_seconds,
             equal_time,
             interrupted,
         })
     }
 
-    /// Errors at growing numbers of samples, per estimator its points; and whether it was interrupted.
+    /// Errors at growing numbers of samples, per estimator; and whether it was interrupted.
     fn curves(
         &mut self,
         reference: &Reference,
         progress: Progress<'_>,
-    ) -> Result<(Vec<Vec<Point>>, bool), Halt> {
-        let mut finished: Vec<Vec<(Replicates, ImageError)>> =
-            self.runners.iter().map(|_| Vec::new()).collect();
+    ) -> Result<(Vec<Finished>, bool), Halt> {
+        let mut finished: Vec<Finished> = self.runners.iter().map(|_| Vec::new()).collect();
         let (mut samples, mut turns) = (1, 0);
         loop {
             let mut current = self.empty(samples);
@@ -244,8 +256,7 @@ impl<'a, 's> Work<'a, 's> {
                 return Err(Halt::Stopped);
             }
             if interrupted || !next? {
-                let curves = finished.iter().map(|of_one| points(of_one)).collect();
-                return Ok((curves, interrupted));
+                return Ok((finished, interrupted));
             }
             samples *= 2;
         }
@@ -282,34 +293,6 @@ impl<'a, 's> Work<'a, 's> {
         Ok(false)
     }
 
-    fn empty(&self, samples: u64) -> Vec<Replicates> {
-        let of = |runner: &Runner<'_>| Replicates {
-            samples,
-            seconds: Vec::new(),
-            errors: Errors::new(self.scene.film, runner.estimator.sampler),
-        };
-        self.runners.iter().map(of).collect()
-    }
-
-    /// One image by every estimator; each turn begins with another.
-    fn turn(
-        &mut self,
-        current: &mut [Replicates],
-        reference: &Reference,
-        turns: &mut usize,
-    ) -> Result<(), Halt> {
-        let count = self.runners.len();
-        for i in (0..count).map(|i| (i + *turns) % count) {
-            let samples = current[i].samples;
-            let run = self.runners[i].run(self.seeds.draw(), samples, self.stop)?;
-            self.spent += run.seconds;
-            current[i].seconds.push(run.seconds);
-            current[i].errors.add(&run.film, reference);
-        }
-        *turns += 1;
-        Ok(())
-    }
-
     /// An image by estimator `i` of about `seconds`.
     fn equal_time(
         &mut self,
@@ -334,10 +317,14 @@ impl<'a, 's> Work<'a, 's> {
     }
 }
 
+/// One estimator's seconds of each image.
+fn times(measured: &[(Replicates, ImageError)]) -> Vec<Vec<f64>> {
+    measured.iter().map(|(r, _)| r.seconds.clone()).collect()
+}
+
 /// One estimator's points: how its times scatter is told from all of them together.
-fn points(measured: &[(Replicates, ImageError)]) -> Vec<Point> {
-    let times: Vec<_> = measured.iter().map(|(r, _)| r.seconds.clone()).collect();
-    let spread = time_spread(&times);
+fn points(measured: &[(Replicates, ImageError)], times: &[Vec<f64>]) -> Vec<Point> {
+    let spread = time_spread(times);
     let point = |(r, error): &(Replicates, _)| Point::new(r.samples, &r.seconds, spread, *error);
     measured.iter().map(point).collect()
 }

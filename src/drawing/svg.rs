@@ -138,9 +138,15 @@ impl Svg {
         ));
     }
 
-    /// A mark at a point: `shape` 0 is a filled disk, 1 an open one, 2 a filled square, 3 an open one.
+    /// A mark at a point: `shape` 0 is a filled disk, 1 an open one, 2 a filled square, 3 an open one, 4 a cross.
     pub fn mark(&mut self, at: (f64, f64), shape: usize, series: usize) {
         let (x, y) = at;
+        if shape == 4 {
+            let (class, arm) = (format!("s{series}"), 5.5);
+            self.line((x - arm, y), (x + arm, y), &class, r#"stroke-width="1.8""#);
+            self.line((x, y - arm), (x, y + arm), &class, r#"stroke-width="1.8""#);
+            return;
+        }
         let class = if shape % 2 == 1 {
             format!("s{series} paper")
         } else {

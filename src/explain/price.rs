@@ -2,8 +2,8 @@
 //!
 //! The kernel that the scene calls for, kernels with one further effect each, and one with all that can be compiled in take
 //! turns. In every round each is compiled anew; then they render the same samples, one after the other, several times. Because
-//! they take turns, a machine that slows down slows them all alike, and each turn gives a ratio by itself. Effects that are ways of sampling cannot be forced, for
-//! they change the image's noise, nor can the environment, which would have to be there.
+//! they take turns, a machine that slows down slows them all alike, and each turn gives a ratio by itself. Effects that are
+//! ways of sampling cannot be forced, for they change the image's noise.
 
 use super::sample::Rays;
 use super::shader::ShaderSize;
@@ -12,12 +12,12 @@ use crate::cost::{Interval, Progress};
 use crate::effects::{Effect, Effects};
 use crate::error::{Error, GpuError};
 use crate::gpu::Context;
-use crate::render::{Prepared, RayCounts, Session, StopReason};
+use crate::render::{Prepared, RayCounts, Session, Stamps, StopReason};
 use crate::scene::FilmSize;
 use crate::stats::interval::student_95;
 use crate::stats::moments::Moments;
 use serde::Serialize;
-use std::time::{Instant, SystemTime};
+use std::time::Instant;
 
 /// Seconds of rendering by one kernel in one turn.
 const SLICE: f64 = 0.1;
@@ -104,7 +104,7 @@ pub fn measure(
         prepared,
         candidates: candidates(&called_for, effects),
         samples: 1,
-        stamp: first_stamp(),
+        stamps: Stamps::now(),
         stop,
     };
     let outcome = rounds.run(budget, progress);
@@ -114,14 +114,6 @@ pub fn measure(
         Err(Halt::Stopped) => Ok(None),
         Err(Halt::Failed(error)) => Err(error),
     }
-}
-
-/// A stamp that no earlier process is likely to have compiled with: drivers keep what they compile on disk.
-fn first_stamp() -> u32 {
-    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-    let nanoseconds = now.map_or(0, |since| since.as_nanos() as u64);
-    // Fibonacci hashing (Knuth 1998, §6.4).
-    (nanoseconds.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as u32
 }
 
 /// `film`, or where it is large a smaller one of its aspect.
@@ -174,8 +166,7 @@ struct Rounds<'a, 's> {
     candidates: Vec<Candidate<'a>>,
     /// Samples per pixel of every run.
     samples: u64,
-    /// Of the kernel that was compiled last.
-    stamp: u32,
+    stamps: Stamps,
     stop: &'s dyn Fn() -> bool,
 }
 
@@ -235,9 +226,8 @@ impl Rounds<'_, '_> {
         if (self.stop)() {
             return Err(Halt::Stopped);
         }
-        self.stamp = self.stamp.wrapping_add(1).max(1);
         self.prepared.effects = self.candidates[i].effects.clone();
-        let place = (self.film, self.seed, self.stamp);
+        let place = (self.film, self.seed, self.stamps.draw());
         let mut session =
             Session::compiled_anew(self.context, self.prepared, place.0, place.1, place.2)?;
         advance(&mut session, 1, self.stop)?;
@@ -376,7 +366,7 @@ mod tests {
             );
         }
         assert_eq!(everything.effects.iter().count(), all.len() - 1);
-        assert!(!everything.effects.contains(Effect::EnvironmentMap));
+        assert!(everything.effects.contains(Effect::EnvironmentMap));
         assert!(!everything.effects.contains(Effect::SobolSampler));
         let one = candidates(&called_for, &[Effect::Spheres, Effect::Disks]);
         let names: Vec<_> = one.iter().map(|c| c.name.as_str()).collect();

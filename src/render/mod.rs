@@ -9,6 +9,7 @@ mod neighbourhood;
 pub mod prepare;
 mod recover;
 pub mod session;
+mod stamps;
 
 pub use aov::{AovImages, render_aovs};
 pub use check::Check;
@@ -19,3 +20,4 @@ pub use prepare::{Patterns, Prepared};
 pub use recover::render_through_losses;
 pub use session::checkpoint::Checkpoint;
 pub use session::{RayCounts, Session, StopReason};
+pub use stamps::Stamps;

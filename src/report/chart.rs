@@ -14,6 +14,8 @@ pub struct Curve {
     pub series: usize,
     /// Number of its dashes and marks.
     pub dash: usize,
+    /// Whether it is a thin line with marks that are all the same, crosses.
+    pub thin: bool,
     /// x, and y with its interval.
     pub points: Vec<(f64, Interval)>,
 }
@@ -22,6 +24,8 @@ pub struct Curve {
 const DASHES: [&str; 4] = ["7 5", "2 4", "", "11 4 2 4"];
 /// Marks, by sampler.
 const MARKS: [usize; 4] = [1, 3, 0, 2];
+/// Mark of thin lines.
+const CROSS: usize = 4;
 const HEIGHT: f64 = 560.0;
 const AREA: Area = Area {
     left: 84.0,
@@ -58,13 +62,19 @@ pub fn draw(title: &str, axes: [&str; 2], curves: &[Curve], guide: Option<(f64, 
             whisker(&mut svg, x.at(*px), &y, interval, curve.series);
         }
         let line: Vec<_> = visible(curve).map(|(px, v)| (x.at(px), y.at(v))).collect();
+        let width = if curve.thin { 1.4 } else { 2.6 };
         let extra = format!(
-            r#"stroke-width="2.6" stroke-linejoin="round" stroke-dasharray="{}""#,
+            r#"stroke-width="{width}" stroke-linejoin="round" stroke-dasharray="{}""#,
             DASHES[curve.dash % DASHES.len()]
         );
+        let mark = if curve.thin {
+            CROSS
+        } else {
+            MARKS[curve.dash % MARKS.len()]
+        };
         svg.polyline(&line, &format!("s{}", curve.series), &extra);
         for at in line {
-            svg.mark(at, MARKS[curve.dash % MARKS.len()], curve.series);
+            svg.mark(at, mark, curve.series);
         }
     }
     names(&mut svg, curves, &x, &y);
@@ -145,6 +155,7 @@ mod tests {
             name: "<n>".to_owned(),
             series: 0,
             dash: 2,
+            thin: false,
             points: vec![
                 (1.0, Interval::around(0.5, 0.1)),
                 (2.0, Interval::around(-0.1, 0.2)),

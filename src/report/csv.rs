@@ -3,9 +3,10 @@
 use crate::cost::{EstimatorCost, Point, SceneCost};
 use std::path::Path;
 
-/// The columns: first those that tables of other renderers have, then further ones.
+/// The columns: first those that tables of other renderers have, then further ones. `effects` are those that the estimator is
+/// compiled with: `called-for`, or what else is compiled in, the name of an effect or `everything`.
 pub const HEADER: &str = "scene,sampler,strategy,spp,seconds,relmse,efficiency,light_sampling,light_selection,shadow_rays,shadow_pattern,width,height,replicates,\
-                          seconds_low,seconds_high,relmse_low,relmse_high,efficiency_low,efficiency_high,mse,mse_low,mse_high";
+                          seconds_low,seconds_high,relmse_low,relmse_high,efficiency_low,efficiency_high,mse,mse_low,mse_high,effects";
 
 /// One line per scene, estimator and number of samples.
 pub fn table(costs: &[SceneCost]) -> String {
@@ -38,7 +39,7 @@ fn line(cost: &SceneCost, estimator: &EstimatorCost, p: &Point) -> String {
     ];
     let numbers: Vec<_> = numbers.iter().map(|x| format!("{x:e}")).collect();
     format!(
-        "{},{},{},{},{:.6},{:e},{:e},{},{},{},{},{},{},{},{}",
+        "{},{},{},{},{:.6},{:e},{:e},{},{},{},{},{},{},{},{},{}",
         quoted(&name),
         e.sampler,
         e.strategy,
@@ -57,7 +58,8 @@ fn line(cost: &SceneCost, estimator: &EstimatorCost, p: &Point) -> String {
         cost.width,
         cost.height,
         p.replicates,
-        numbers.join(",")
+        numbers.join(","),
+        e.effects.key()
     )
 }
 

@@ -2,7 +2,7 @@
 
 use super::chart::{self, Curve};
 use super::format::short;
-use crate::cost::{EstimatorCost, Point, SceneCost};
+use crate::cost::{Compiled, EstimatorCost, Point, SceneCost, WithoutNeed};
 use crate::drawing::bars::{self, Bar};
 use crate::drawing::svg::{SERIES, Svg};
 use crate::scene::{Sampler, Strategy};
@@ -17,10 +17,32 @@ pub struct Figure {
     pub svg: Svg,
 }
 
-/// Number of a strategy's colour: the same on every page.
-pub fn series(strategy: Strategy) -> usize {
+/// Number of an estimator's colour: that of its strategy, the same on every page; where there is one strategy alone, further
+/// ones for the effects that are compiled in without need.
+fn series(cost: &SceneCost, estimator: &EstimatorCost) -> usize {
     let all = Strategy::value_variants();
-    all.iter().position(|s| *s == strategy).unwrap_or(0) % SERIES
+    let strategy = estimator.estimator.strategy;
+    let of_strategy = all.iter().position(|s| *s == strategy).unwrap_or(0);
+    let mut others = cost.estimators.iter().map(|e| e.estimator.strategy);
+    if others.any(|other| other != strategy) {
+        return of_strategy % SERIES;
+    }
+    let mut effects: Vec<Compiled> = vec![Compiled::CalledFor];
+    for effect in cost.estimators.iter().map(|e| e.estimator.effects) {
+        if !effects.contains(&effect) {
+            effects.push(effect);
+        }
+    }
+    let of_effect = effects
+        .iter()
+        .position(|e| *e == estimator.estimator.effects);
+    (of_strategy + of_effect.unwrap_or(0)) % SERIES
+}
+
+/// Estimators with effects that are compiled in without need, in the order in which they were named, and what these cost.
+pub fn with_effects(cost: &SceneCost) -> impl Iterator<Item = (&EstimatorCost, &WithoutNeed)> {
+    let all = cost.estimators.iter();
+    all.filter_map(|e| Some((e, e.without_need.as_ref()?)))
 }
 
 /// Number of a sampler's dashes.
@@ -45,8 +67,9 @@ pub fn of(cost: &SceneCost) -> [Figure; 3] {
     let curves = |x: &dyn Fn(&Point) -> f64| -> Vec<Curve> {
         let curve = |e: &EstimatorCost| Curve {
             name: e.name.clone(),
-            series: series(e.estimator.strategy),
+            series: series(cost, e),
             dash: dash(e.estimator.sampler),
+            thin: e.without_need.is_some(),
             points: e.points.iter().map(|p| (x(p), p.rel_mse)).collect(),
         };
         cost.estimators.iter().map(curve).collect()
@@ -54,7 +77,7 @@ pub fn of(cost: &SceneCost) -> [Figure; 3] {
     let error = "relative mean squared error";
     let bar = |e: &&EstimatorCost| Bar {
         name: e.name.clone(),
-        series: series(e.estimator.strategy),
+        series: series(cost, e),
         value: e.efficiency,
     };
     let bars: Vec<_> = ranked(cost).iter().map(bar).collect();
@@ -79,4 +102,20 @@ pub fn of(cost: &SceneCost) -> [Figure; 3] {
         ("efficiency", efficiency),
     ]
     .map(|(name, svg)| Figure { name, svg })
+}
+
+/// Times of effects that are compiled in without need over those of what is called for; none where there are none.
+pub fn effects(cost: &SceneCost) -> Option<Figure> {
+    let bar = |(e, need): (&EstimatorCost, &WithoutNeed)| Bar {
+        name: e.name.clone(),
+        series: series(cost, e),
+        value: need.time_ratio,
+    };
+    let bars: Vec<_> = with_effects(cost).map(bar).collect();
+    let axis = "time for the same samples, over that of what is called for";
+    let svg = || bars::draw("Effects compiled in without need", axis, &bars);
+    (!bars.is_empty()).then(|| Figure {
+        name: "effects",
+        svg: svg(),
+    })
 }

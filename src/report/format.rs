@@ -1,6 +1,7 @@
 //! Times, intervals and slopes as people read them.
 
 use crate::cost::Interval;
+use crate::cost::effects::Agreement;
 use crate::cost::fit::Slope;
 pub use crate::drawing::text::{escape, grouped, number, short};
 
@@ -35,6 +36,18 @@ pub fn slope(slope: Option<Slope>) -> String {
     )
 }
 
+/// Whether images are the same.
+pub fn agreement(found: &Agreement) -> String {
+    let all = grouped(found.pixels as f64);
+    let images = if found.images == 1 { "image" } else { "images" };
+    let (differ, count) = (grouped(found.pixels_differ as f64), found.images);
+    if found.is_exact() {
+        format!("the same image bit for bit ({all} pixels of {count} {images} compared)")
+    } else {
+        format!("another image: {differ} of {all} pixels of {count} {images} differ")
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,5 +57,21 @@ mod tests {
         assert_eq!(seconds(2.5e-8), "25.0 ns");
         assert_eq!(seconds(0.25), "250 ms");
         assert_eq!(seconds(600.0), "10.0 min");
+    }
+
+    #[test]
+    fn images_that_differ_are_no_same_images() {
+        let mut found = Agreement {
+            images: 1,
+            pixels: 384,
+            pixels_differ: 0,
+        };
+        let same = "the same image bit for bit (384 pixels of 1 image compared)";
+        assert_eq!(agreement(&found), same);
+        found.pixels_differ = 2;
+        assert_eq!(
+            agreement(&found),
+            "another image: 2 of 384 pixels of 1 image differ"
+        );
     }
 }

@@ -2,14 +2,16 @@
 
 mod chart;
 pub mod csv;
+mod effects;
 mod figures;
 pub mod format;
+mod lead;
 pub mod machine;
 mod page;
 mod picture;
 mod tables;
 
-pub use figures::ranked;
+pub use figures::{ranked, with_effects};
 
 use crate::cost::SceneCost;
 use crate::drawing::raster;
@@ -33,7 +35,7 @@ pub fn write(
         source,
     })?;
     for (stem, cost) in stems(costs).iter().zip(costs) {
-        for figure in figures::of(cost) {
+        for figure in figures::of(cost).into_iter().chain(figures::effects(cost)) {
             let path = |extension: &str| folder.join(format!("{stem}-{}.{extension}", figure.name));
             write_atomically(&path("svg"), figure.svg.file().as_bytes())?;
             write_atomically(&path("png"), &raster::png(&figure.svg)?)?;

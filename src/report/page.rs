@@ -1,12 +1,14 @@
 //! The page: everything in one HTML file.
 
+use super::effects;
 use super::figures::{self, ranked};
-use super::format::{escape, grouped, number, range, seconds, short};
+use super::format::{escape, grouped, number, range, seconds};
+use super::lead::lead;
 use super::machine::Machine;
 use super::picture::{HEAT, heat, heat_map, radiance};
-use super::tables::{equal_error, not_applicable, ranking, reached, vague};
+use super::tables::{equal_error, not_applicable, ranking, vague};
 use crate::cost::reference::Source;
-use crate::cost::{EqualTime, EstimatorCost, Interval, SceneCost};
+use crate::cost::{EqualTime, EstimatorCost, SceneCost};
 use crate::drawing::svg::adaptive_css;
 use crate::error::Error;
 use crate::scene::FilmSize;
@@ -64,66 +66,17 @@ fn section(cost: &SceneCost) -> Result<String, Error> {
          <h3>Error against time</h3>\n<figure class=\"wide\">{time}</figure>\n\
          <h3>Efficiency</h3>\n<figure class=\"wide\">{efficiency}</figure>\n\
          <h3>Error against samples</h3>\n<figure class=\"wide\">{samples}</figure>\n\
-         <h3>Ranking</h3>\n{}<p class=\"faint\">= marks ties: estimators whose intervals of efficiency overlap. ≈ is \
+         <h3>Ranking</h3>\n{}<p class=\"faint\">= marks ties: estimators whose intervals of efficiency overlap{}. ≈ is \
          extrapolated along the fitted line. Intervals hold with 95 % confidence; slopes have standard errors.</p>\n{}\
-         {}<h3>What the same error costs</h3>\n{}{}</section>\n",
+         {}{}<h3>What the same error costs</h3>\n{}{}</section>\n",
         ranking(cost),
+        effects::ties(cost),
         vague(cost),
+        effects::section(cost),
         equal_time(cost)?,
         equal_error(cost),
         not_applicable(cost),
     ))
-}
-
-/// The result in a sentence or two.
-fn lead(cost: &SceneCost) -> String {
-    let all = ranked(cost);
-    let Some(best) = all.first() else {
-        return String::new();
-    };
-    let mut text = format!("<b>{}</b> ", escape(&best.name));
-    if best.rank.ties.is_empty() {
-        text.push_str("is the most efficient");
-    } else {
-        let names = best.rank.ties.iter().map(|&i| &cost.estimators[i].name);
-        let names: Vec<_> = names.map(|n| format!("<b>{}</b>", escape(n))).collect();
-        text.push_str(&format!("leads in a tie with {}", names.join(", ")));
-    }
-    if let Some(last) = all.last().filter(|l| l.rank.rank > best.rank.rank) {
-        let ratio = ratio(&best.efficiency, &last.efficiency);
-        text.push_str(&format!(
-            ": {} times {} as efficient as {}",
-            number(ratio.value),
-            range(&ratio, number),
-            escape(&last.name)
-        ));
-    }
-    text.push('.');
-    if let Some(reached) = reached(best, cost.target) {
-        let about = if reached.extrapolated {
-            "would take about"
-        } else {
-            "takes"
-        };
-        text.push_str(&format!(
-            " To relMSE {} it {about} {}.",
-            short(cost.target),
-            seconds(reached.seconds.value)
-        ));
-    }
-    text
-}
-
-/// a/b of independent positive values, by their logarithms.
-fn ratio(a: &Interval, b: &Interval) -> Interval {
-    let value = a.value / b.value;
-    let down = (a.value / a.low).ln().hypot((b.high / b.value).ln());
-    let up = (a.high / a.value).ln().hypot((b.value / b.low).ln());
-    Interval {
-        value,
-        low: value * (-down).exp(),
-        high: value * up.exp(),
-    }
 }
 
 fn facts(cost: &SceneCost) -> String {
@@ -322,7 +275,7 @@ fn footer(machine: &Machine) -> String {
     )
 }
 
-const DEFINITIONS: [(&str, &str); 10] = [
+const DEFINITIONS: [(&str, &str); 11] = [
     (
         "relMSE",
         "mean over pixels and channels of (x − r)² / (r² + 0.01·mean(r)²), x the image and r the reference, less the reference's own error where that is known",
@@ -348,6 +301,10 @@ const DEFINITIONS: [(&str, &str); 10] = [
         "1 plus the number of estimators whose interval of efficiency lies above; overlapping intervals are ties",
     ),
     (
+        "effects",
+        "“+ …”: compiled in although the scene does not call for it, ways of sampling aside. An estimator with and without has the same random numbers, so that the images are the same, which is checked in all bits of all pixels, and so are their errors at equal samples; the ratio of times is told from runs in pairs, and efficiency falls as time rises",
+    ),
+    (
         "biased",
         "shadow rays end at the same points of the lights in all samples: the error falls to that of this quadrature, not to zero",
     ),
@@ -361,26 +318,13 @@ const DEFINITIONS: [(&str, &str); 10] = [
     ),
     (
         "curves",
-        "colour is the strategy, dashes are the sampler; whiskers are 95 % intervals",
+        "colour is the strategy, dashes are the sampler; thin lines with crosses have effects compiled in without need, whose colour tells them apart where there is one strategy; whiskers are 95 % intervals",
     ),
 ];
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ratios_take_both_intervals() {
-        let a = Interval::around(4.0, 0.0);
-        let b = Interval {
-            value: 2.0,
-            low: 1.0,
-            high: 4.0,
-        };
-        let r = ratio(&a, &b);
-        assert!((r.value - 2.0).abs() < 1e-12);
-        assert!((r.low - 1.0).abs() < 1e-12 && (r.high - 4.0).abs() < 1e-12);
-    }
 
     #[test]
     fn the_share_counts_pixels() {

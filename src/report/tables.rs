@@ -6,7 +6,7 @@ use crate::cost::{EstimatorCost, Interval, Reached, SceneCost};
 use std::fmt::Write;
 
 /// A cell: the value, and below it the interval.
-fn with_interval(interval: &Interval, show: impl Fn(f64) -> String) -> String {
+pub fn with_interval(interval: &Interval, show: impl Fn(f64) -> String) -> String {
     format!(
         "{}<small>{}</small>",
         show(interval.value),
@@ -14,12 +14,12 @@ fn with_interval(interval: &Interval, show: impl Fn(f64) -> String) -> String {
     )
 }
 
-fn row(cells: &[String], class: &str) -> String {
+pub fn row(cells: &[String], class: &str) -> String {
     let cells: Vec<_> = cells.iter().map(|c| format!("<td>{c}</td>")).collect();
     format!("<tr{class}>{}</tr>\n", cells.join(""))
 }
 
-fn table(class: &str, head: &[String], body: &str) -> String {
+pub fn table(class: &str, head: &[String], body: &str) -> String {
     let head: Vec<_> = head.iter().map(|h| format!("<th>{h}</th>")).collect();
     format!(
         "<div class=\"scroll\"><table{class}><thead><tr>{}</tr></thead><tbody>\n{body}</tbody></table></div>\n",

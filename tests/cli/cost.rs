@@ -1,5 +1,6 @@
 //! `direkt cost`, as a user runs it.
 
+mod effects;
 #[cfg(unix)]
 mod interrupt;
 
@@ -306,8 +307,9 @@ fn wrong_use_is_exit_2_and_says_what_would_be_right() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("file");
     std::fs::write(&file, "x").unwrap();
+    let too_short = [CORNELL, "--budget", "1ms", "--strategies", "light-area"];
     let cases: [(&[&str], &str); 8] = [
-        (&[CORNELL, "--budget", "1ms"], "needs at least about"),
+        (&too_short, "needs at least about"),
         (&[CORNELL, "--budget", "soon"], "expected such as 30s"),
         (&[CORNELL, "--target-error", "0"], "a positive number"),
         (&[CORNELL, "--strategies", "wrong"], "possible values"),
