@@ -1,7 +1,9 @@
-//! Every scene, every strategy.
+//! Every scene, and every strategy on scenes that differ in how they are lit.
 
 use super::compared;
-use crate::support::{STRATEGIES, own_scenes, scene, scenes_of_lights, shared, statistics};
+use crate::support::{
+    KINDS_OF_STRATEGIES, STRATEGIES, own_scenes, scene, scenes_of_lights, shared, statistics,
+};
 use direkt::compare::Comparison;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{LightSelection, Sampler, ShadowPattern, Strategy};
@@ -21,9 +23,25 @@ fn assert_agrees(comparison: &Comparison, what: &str) {
 }
 
 #[test]
-fn gpu_and_reference_agree_on_every_scene_under_every_strategy() {
-    for (name, scene) in own_scenes() {
+fn gpu_and_reference_agree_on_every_light_under_every_strategy() {
+    for (name, scene) in scenes_of_lights() {
         for strategy in STRATEGIES {
+            let comparison = compared(&scene, strategy, (1 << 12, 64), None);
+            assert_agrees(&comparison, &format!("{name}, {strategy}"));
+        }
+    }
+}
+
+/// What does not differ in its lights, under one strategy of each kind.
+#[test]
+fn gpu_and_reference_agree_on_scenes_of_effects() {
+    let of_lights: Vec<String> = scenes_of_lights()
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
+    let others = own_scenes().into_iter();
+    for (name, scene) in others.filter(|(name, _)| !of_lights.contains(name)) {
+        for strategy in KINDS_OF_STRATEGIES {
             let comparison = compared(&scene, strategy, (1 << 12, 64), None);
             assert_agrees(&comparison, &format!("{name}, {strategy}"));
         }
