@@ -4,7 +4,7 @@ use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, draw};
 use direkt::gpu::Context;
 use direkt::gpu::layout::{
-    FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK,
+    COMPENSATED_BIT, FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK,
 };
 use direkt::scene::material::{BsdfParameters, Fresnel, SpecularLobe};
 use glam::DVec3;
@@ -124,12 +124,13 @@ fn material_words(m: &BsdfParameters) -> Vec<f64> {
         Fresnel::Dielectric { ior } => (FRESNEL_DIELECTRIC, DVec3::ZERO, 0.0, DVec3::ZERO, ior),
         Fresnel::Conductor { eta, k } => (FRESNEL_CONDUCTOR, eta, 0.0, k, 1.0),
     };
+    let flag = if lobe.compensated { COMPENSATED_BIT } else { 0 };
     let words = [
         &m.diffuse.to_array()[..],
         &f0.to_array(),
         &[lobe.alpha, f90],
         &k.to_array(),
-        &[f64::from(kind), ior],
+        &[f64::from(kind | flag), ior],
         &lobe.average.to_array(),
     ];
     words.concat()
