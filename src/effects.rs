@@ -194,6 +194,16 @@ impl Effects {
         self.0.entry(effect).or_insert_with(reason);
     }
 
+    /// Whether `effect` is not among them and can be compiled in all the same; see [`Effect::can_be_forced`].
+    pub fn can_force(&self, effect: Effect) -> bool {
+        effect.can_be_forced() && !self.contains(effect)
+    }
+
+    /// Adds an effect that nothing calls for.
+    pub fn force(&mut self, effect: Effect) {
+        self.call_for(effect, || "forced".to_owned());
+    }
+
     /// Whether the effect is called for.
     pub fn contains(&self, effect: Effect) -> bool {
         self.0.contains_key(&effect)

@@ -4,6 +4,7 @@
 
 use super::octahedral::octahedral;
 use super::{Primitive, PrimitiveGeometry};
+use crate::scene::texture::{disk_uv, rectangle_uv};
 use crate::scene::{Geometry, Mesh, Scene};
 use glam::{DVec2, DVec3};
 
@@ -74,11 +75,9 @@ impl Attributes {
         };
         let corners = mesh.triangles[primitive.part as usize].map(|i| i as usize);
         let normals = vertex_normals(mesh, corners, u.cross(v).normalize());
-        let uvs = if textured {
-            vertex_uvs(mesh, corners)
-        } else {
-            None
-        };
+        let uvs = textured
+            .then(|| texture_coordinates(scene, primitive))
+            .flatten();
         if normals.is_none() && uvs.is_none() {
             return none;
         }
@@ -110,10 +109,23 @@ fn vertex_normals(mesh: &Mesh, corners: [usize; 3], own: DVec3) -> Option<[DVec3
     (!flat).then_some([a, b, c])
 }
 
-fn vertex_uvs(mesh: &Mesh, corners: [usize; 3]) -> Option<[DVec2; 3]> {
-    if mesh.uvs.is_empty() {
-        return None;
+/// Texture coordinates at a primitive's points a, a + u and a + v; `None` where it has none.
+pub fn texture_coordinates(scene: &Scene, primitive: &Primitive) -> Option<[DVec2; 3]> {
+    let corners = [DVec2::ZERO, DVec2::X, DVec2::Y];
+    match primitive.geometry {
+        PrimitiveGeometry::Rectangle { .. } => Some(corners.map(rectangle_uv)),
+        PrimitiveGeometry::Disk { .. } => Some(corners.map(disk_uv)),
+        PrimitiveGeometry::Sphere { .. } => None,
+        PrimitiveGeometry::Triangle { .. } => {
+            let Geometry::Mesh(mesh) = &scene.shapes[primitive.shape.index()].geometry else {
+                return None;
+            };
+            if mesh.uvs.is_empty() {
+                return None;
+            }
+            let corners = mesh.triangles[primitive.part as usize];
+            let uvs = corners.map(|i| mesh.uvs[i as usize]);
+            uvs.iter().all(|uv| uv.is_finite()).then_some(uvs)
+        }
     }
-    let uvs = corners.map(|i| mesh.uvs[i]);
-    uvs.iter().all(|uv| uv.is_finite()).then_some(uvs)
 }

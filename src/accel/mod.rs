@@ -9,7 +9,7 @@ pub mod flatten;
 pub mod octahedral;
 pub mod primitives;
 
-pub use attributes::{Attributed, Attributes};
+pub use attributes::{Attributed, Attributes, texture_coordinates};
 pub use build::build;
 pub use flatten::{Bvh, Node};
 pub use primitives::{Primitive, PrimitiveGeometry, primitives};

@@ -41,9 +41,7 @@ impl Compiled {
             Self::WithEverything => Effect::ALL,
         };
         let effects = effects.iter().copied();
-        effects
-            .filter(|e| e.can_be_forced() && !called_for.contains(*e))
-            .collect()
+        effects.filter(|e| called_for.can_force(*e)).collect()
     }
 
     /// Why it is no other than [`CalledFor`](Self::CalledFor) where `called_for` are called for; none where it is.

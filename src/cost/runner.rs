@@ -90,7 +90,7 @@ impl<'a> Runner<'a> {
     ) -> Result<Self, GpuError> {
         let without_need = estimator.effects.without_need(&prepared.effects);
         for &effect in &without_need {
-            prepared.effects.call_for(effect, || "forced".to_owned());
+            prepared.effects.force(effect);
         }
         let session = match stamp {
             Some(stamp) => Session::compiled_anew(context, &prepared, size, 0, stamp)?,

@@ -2,10 +2,10 @@
 
 use super::area_map::{square_to_disk, square_to_triangle};
 use super::{is_lit, luminance};
-use crate::accel::{Primitive, PrimitiveGeometry};
+use crate::accel::{Primitive, PrimitiveGeometry, texture_coordinates};
 use crate::scene::alias_table::AliasTable;
-use crate::scene::texture::{disk_uv, rectangle_uv};
-use crate::scene::{Geometry, Scene, ShapeId, Texture, TextureUse, lookup};
+use crate::scene::texture::interpolate_uv;
+use crate::scene::{Scene, ShapeId, Texture, TextureUse, lookup};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -92,8 +92,7 @@ impl<'a> Textured<'a> {
             PrimitiveGeometry::Disk { .. } => square_to_disk(u),
             _ => u,
         };
-        let [a, b, c] = self.uvs;
-        let uv = a + st.x * (b - a) + st.y * (c - a);
+        let uv = interpolate_uv(&self.uvs, st);
         lookup::value(self.texture, &self.used, uv).truncate()
     }
 
@@ -189,24 +188,6 @@ impl<'a> Textured<'a> {
     }
 }
 
-/// Texture coordinates at a primitive's points a, a + u and a + v; `None` where it has none.
-fn texture_coordinates(scene: &Scene, primitive: &Primitive) -> Option<[DVec2; 3]> {
-    let corners = [DVec2::ZERO, DVec2::X, DVec2::Y];
-    match (
-        primitive.geometry,
-        &scene.shapes[primitive.shape.index()].geometry,
-    ) {
-        (PrimitiveGeometry::Rectangle { .. }, _) => Some(corners.map(rectangle_uv)),
-        (PrimitiveGeometry::Disk { .. }, _) => Some(corners.map(disk_uv)),
-        (PrimitiveGeometry::Triangle { .. }, Geometry::Mesh(mesh)) if !mesh.uvs.is_empty() => {
-            let corners = mesh.triangles[primitive.part as usize];
-            let uvs = corners.map(|i| mesh.uvs[i as usize]);
-            uvs.iter().all(|uv| uv.is_finite()).then_some(uvs)
-        }
-        _ => None,
-    }
-}
-
 /// The emission of one primitive.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Varies {
@@ -244,6 +225,7 @@ pub(super) fn of_primitives<'a>(
 mod tests {
     use super::*;
     use crate::scene::light::Interpolation;
+    use crate::scene::texture::rectangle_uv;
     use crate::scene::{Texels, TextureId, Wrap};
     use glam::DAffine2;
 

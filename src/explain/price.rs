@@ -135,13 +135,10 @@ fn candidates<'a>(called_for: &Effects, effects: &[Effect]) -> Vec<Candidate<'a>
         compile: Vec::new(),
         sample: Vec::new(),
     };
-    let forced = effects
-        .iter()
-        .copied()
-        .filter(|e| e.can_be_forced() && !called_for.contains(*e));
+    let forced = effects.iter().copied().filter(|e| called_for.can_force(*e));
     let with = |effects: &Effects, effect: Effect| {
         let mut effects = effects.clone();
-        effects.call_for(effect, || "forced".to_owned());
+        effects.force(effect);
         effects
     };
     let mut all = vec![candidate("called for".to_owned(), called_for.clone())];

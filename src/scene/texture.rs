@@ -44,21 +44,7 @@ impl Texture {
 
     /// Largest red, green or blue.
     pub fn largest(&self) -> f64 {
-        let largest = |[r, g, b]: [f64; 3]| r.max(g).max(b);
-        match &self.texels {
-            Texels::Bytes(texels) => {
-                let values = texels
-                    .iter()
-                    .map(|t| largest([t[0], t[1], t[2]].map(f64::from)));
-                values.fold(0.0, f64::max) / 255.0
-            }
-            Texels::Halves(texels) => {
-                let values = texels
-                    .iter()
-                    .map(|t| largest([t[0], t[1], t[2]].map(f64::from)));
-                values.fold(0.0, f64::max)
-            }
-        }
+        self.fold(0.0, |largest, [r, g, b, _]| largest.max(r).max(g).max(b))
     }
 
     /// Red, green and blue of all its texels, where they are the same.
@@ -72,14 +58,17 @@ impl Texture {
 
     /// The least and the largest alpha of its texels.
     pub fn alpha_range(&self) -> [f64; 2] {
-        let range = |alphas: &mut dyn Iterator<Item = f64>| {
-            alphas.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], alpha| {
-                [alpha.min(low), alpha.max(high)]
-            })
-        };
+        let all = [f64::INFINITY, f64::NEG_INFINITY];
+        self.fold(all, |[low, high], [.., a]| [a.min(low), a.max(high)])
+    }
+
+    fn fold<T>(&self, start: T, add: impl Fn(T, [f64; 4]) -> T) -> T {
         match &self.texels {
-            Texels::Bytes(texels) => range(&mut texels.iter().map(|t| f64::from(t[3]) / 255.0)),
-            Texels::Halves(texels) => range(&mut texels.iter().map(|t| f64::from(t[3]))),
+            Texels::Bytes(texels) => {
+                let texels = texels.iter().map(|t| t.map(|c| f64::from(c) / 255.0));
+                texels.fold(start, add)
+            }
+            Texels::Halves(texels) => texels.iter().map(|t| t.map(f64::from)).fold(start, add),
         }
     }
 }
@@ -176,6 +165,11 @@ pub fn tangent_normal(texel: DVec4, scale: f64) -> DVec3 {
 /// Texture coordinates of a rectangle's point `st`: its `u` runs along the image's rows, its `v` up.
 pub fn rectangle_uv(st: DVec2) -> DVec2 {
     DVec2::new(st.x, 1.0 - st.y)
+}
+
+/// Texture coordinates of the point `st` where those of a, a + u and a + v are `uvs`.
+pub fn interpolate_uv(uvs: &[DVec2; 3], st: DVec2) -> DVec2 {
+    uvs[0] + st.x * (uvs[1] - uvs[0]) + st.y * (uvs[2] - uvs[0])
 }
 
 /// Texture coordinates of a disk's point `st`, s² + t² ≤ 1: the image's largest ellipse.

@@ -82,7 +82,7 @@ fn unneeded_effects_compiled_in_change_nothing() {
     for (name, mut prepared) in scenes {
         let lean = film_of(&prepared, &[4]);
         for &effect in Effect::ALL.iter().filter(|e| e.can_be_forced()) {
-            prepared.effects.call_for(effect, || "forced".to_owned());
+            prepared.effects.force(effect);
         }
         let full = film_of(&prepared, &[4]);
         let differ = lean.pixels.iter().zip(&full.pixels).filter(|(a, b)| a != b);

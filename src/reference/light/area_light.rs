@@ -121,35 +121,44 @@ fn extent(geometry: &PrimitiveGeometry) -> f64 {
     }
 }
 
-/// A point of the light, uniform over its area, and its density.
-fn sample_area(geometry: &PrimitiveGeometry, u: DVec2) -> (LightPoint, PdfArea) {
-    let area = geometry.area();
-    let planar = |a: DVec3, e1: DVec3, e2: DVec3, st: DVec2| LightPoint {
-        position: a + st.x * e1 + st.y * e2,
-        normal: e1.cross(e2).normalize(),
-        extent: extent(geometry),
-    };
-    match *geometry {
-        PrimitiveGeometry::Triangle { a, u: e1, v: e2 } => (
-            planar(a, e1, e2, sample_triangle_area(u)),
-            pdf_triangle_area(area),
-        ),
-        PrimitiveGeometry::Rectangle { a, u: e1, v: e2 } => (
-            planar(a, e1, e2, sample_rectangle_area(u)),
-            pdf_rectangle_area(area),
-        ),
-        PrimitiveGeometry::Disk { a, u: e1, v: e2 } => {
-            (planar(a, e1, e2, sample_disk_area(u)), pdf_disk_area(area))
+/// Coordinates of the point of a planar light that the unit square has at `u`.
+fn sample_light_area(geometry: &PrimitiveGeometry, u: DVec2) -> DVec2 {
+    match geometry {
+        PrimitiveGeometry::Triangle { .. } => sample_triangle_area(u),
+        PrimitiveGeometry::Disk { .. } => sample_disk_area(u),
+        _ => sample_rectangle_area(u),
+    }
+}
+
+/// A point of the light, uniform over its area.
+fn sample_area(geometry: &PrimitiveGeometry, u: DVec2) -> LightPoint {
+    let (position, normal) = match *geometry {
+        PrimitiveGeometry::Triangle { a, u: e1, v: e2 }
+        | PrimitiveGeometry::Rectangle { a, u: e1, v: e2 }
+        | PrimitiveGeometry::Disk { a, u: e1, v: e2 } => {
+            let st = sample_light_area(geometry, u);
+            (a + st.x * e1 + st.y * e2, e1.cross(e2).normalize())
         }
         PrimitiveGeometry::Sphere { center, radius } => {
             let normal = sample_sphere_area(u);
-            let point = LightPoint {
-                position: center + radius * normal,
-                normal,
-                extent: extent(geometry),
-            };
-            (point, pdf_sphere_area(area))
+            (center + radius * normal, normal)
         }
+    };
+    LightPoint {
+        position,
+        normal,
+        extent: extent(geometry),
+    }
+}
+
+/// Density of [`sample_area`].
+fn pdf_area(geometry: &PrimitiveGeometry) -> PdfArea {
+    let area = geometry.area();
+    match geometry {
+        PrimitiveGeometry::Triangle { .. } => pdf_triangle_area(area),
+        PrimitiveGeometry::Rectangle { .. } => pdf_rectangle_area(area),
+        PrimitiveGeometry::Disk { .. } => pdf_disk_area(area),
+        PrimitiveGeometry::Sphere { .. } => pdf_sphere_area(area),
     }
 }
 
@@ -300,7 +309,7 @@ pub fn sample_area_light(
     u: DVec2,
 ) -> LightSample {
     let direction = sample_by_direction(light, x, frame, u);
-    let on_light = PdfArea(1.0 / light.geometry.area());
+    let on_light = pdf_area(&light.geometry);
     let (point, wi, pdf) = match direction {
         Some((wi, pdf)) => {
             let point = point_in_direction(&light.geometry, x, wi);
@@ -310,7 +319,7 @@ pub fn sample_area_light(
             (point, wi, Some(pdf))
         }
         None => {
-            let (point, _) = sample_area(&light.geometry, u);
+            let point = sample_area(&light.geometry, u);
             let Some(wi) = (point.position - x).try_normalize() else {
                 return no_light();
             };
@@ -329,20 +338,16 @@ pub fn sample_textured_light(
     x: DVec3,
     (u, on_square): (DVec2, PdfArea),
 ) -> LightSample {
-    let (point, uniform) = sample_area(&light.geometry, u);
+    let point = sample_area(&light.geometry, u);
     let Some(wi) = (point.position - x).try_normalize() else {
         return no_light();
     };
-    let st = match light.geometry {
-        PrimitiveGeometry::Triangle { .. } => sample_triangle_area(u),
-        PrimitiveGeometry::Disk { .. } => sample_disk_area(u),
-        _ => sample_rectangle_area(u),
-    };
+    let st = sample_light_area(&light.geometry, u);
     let here = AreaLight {
         radiance: light.radiance * emission_factor(world, map, st),
         ..*light
     };
-    let on_light = PdfArea(on_square.0 * uniform.0);
+    let on_light = PdfArea(on_square.0 * pdf_area(&light.geometry).0);
     light_sample(&here, choice, (x, wi), point, (None, on_light))
 }
 
@@ -408,7 +413,7 @@ pub fn pdf_light_area(
         Some(map) => pdf_emission(map, invert_light_area(&geometry, st)),
         None => PdfArea(1.0),
     };
-    let on_light = PdfArea(on_square.0 / geometry.area());
+    let on_light = PdfArea(on_square.0 * pdf_area(&geometry).0);
     (pdf_light(world, light, x, frame.z), on_light)
 }
 

@@ -6,6 +6,7 @@ use super::triangle::invert_triangle_area;
 use crate::accel::PrimitiveGeometry;
 use crate::emitters::{EmissionMap, Emitter};
 use crate::reference::core::pdf::{PdfArea, PdfDiscrete};
+use crate::reference::scene::attributes::interpolate_uv;
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::texture::sample_texture;
 use glam::{DVec2, DVec3};
@@ -21,9 +22,8 @@ pub fn emission_map<'a>(world: &World<'a>, index: u32) -> Option<&'a EmissionMap
 
 /// Factor on the light's radiance at its coordinates `st`.
 pub fn emission_factor(world: &World<'_>, m: &EmissionMap, st: DVec2) -> DVec3 {
-    let [a, b, c] = m.uvs.map(|[u, v]| DVec2::new(u.into(), v.into()));
-    let uv = a + st.x * (b - a) + st.y * (c - a);
-    sample_texture(world, &m.texture, uv).truncate()
+    let uvs = m.uvs.map(|[u, v]| DVec2::new(u.into(), v.into()));
+    sample_texture(world, &m.texture, interpolate_uv(&uvs, st)).truncate()
 }
 
 /// A point of the unit square in proportion to the emission, and the density there: `texel` chooses the cell, `u` the point

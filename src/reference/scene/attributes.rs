@@ -3,6 +3,7 @@
 use super::fetch::{Primitive, World};
 use crate::accel::PrimitiveGeometry;
 use crate::reference::core::octahedral::from_octahedral;
+pub use crate::scene::texture::interpolate_uv;
 use crate::scene::texture::{disk_uv, rectangle_uv};
 use glam::{DVec2, DVec3};
 
@@ -33,11 +34,6 @@ pub fn fetch_uvs(world: &World<'_>, p: &Primitive) -> VertexUvs {
             .uvs
             .map(pair),
     }
-}
-
-/// The texture coordinates of the point `st`.
-pub fn interpolate_uv(uvs: &VertexUvs, st: DVec2) -> DVec2 {
-    uvs[0] + st.x * (uvs[1] - uvs[0]) + st.y * (uvs[2] - uvs[0])
 }
 
 /// The unit normal between those of the vertices, on the side of the primitive's own normal; that itself where they cancel.

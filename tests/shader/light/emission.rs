@@ -4,6 +4,7 @@ use crate::support::random::Random;
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, emitter, floor_pixel, statistics, unit_square};
+use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::{EmissionMap, Emitter};
 use direkt::reference::BrokenTwin;
 use direkt::reference::light::emission::{
@@ -89,6 +90,15 @@ fn lights(prepared: &Prepared) -> std::ops::Range<u32> {
     0..prepared.emitters.lights.len() as u32
 }
 
+/// The emission map and the geometry of a light.
+fn textured<'a>(world: &World<'a>, light: u32) -> (&'a EmissionMap, &'a PrimitiveGeometry) {
+    let Emitter::Area { primitive, .. } = world.prepared.emitters.lights[light as usize] else {
+        unreachable!("all lights have surfaces");
+    };
+    let geometry = &world.prepared.primitives[primitive as usize].geometry;
+    (emission_map(world, light).unwrap(), geometry)
+}
+
 const FUNCTION: Function<'_> = Function {
     imports: "import package::light::area_light::sample_light_area;
               import package::light::emission::{emission_factor, emission_word, fetch_emission_map,
@@ -135,11 +145,7 @@ fn emission_samples_are_the_twins() {
         let prepared = prepared(interpolation);
         let world = World::new(&prepared);
         for light in lights(&prepared) {
-            let map = emission_map(&world, light).unwrap();
-            let Emitter::Area { primitive, .. } = prepared.emitters.lights[light as usize] else {
-                unreachable!("all lights have surfaces");
-            };
-            let geometry = &prepared.primitives[primitive as usize].geometry;
+            let (map, geometry) = textured(&world, light);
             let (numbers, words) = inputs(light, 20_000, 92 + light);
             let answers = call_in(&context, &prepared, &FUNCTION, &words, numbers.len());
             let found = answers.vec2(0).zip(answers.f64(2)).zip(answers.vec2(3));
@@ -235,11 +241,7 @@ fn points_that_shine_have_a_density() {
         let prepared = prepared(interpolation);
         let world = World::new(&prepared);
         for light in lights(&prepared) {
-            let map = emission_map(&world, light).unwrap();
-            let Emitter::Area { primitive, .. } = prepared.emitters.lights[light as usize] else {
-                unreachable!("all lights have surfaces");
-            };
-            let geometry = &prepared.primitives[primitive as usize].geometry;
+            let (map, geometry) = textured(&world, light);
             let mut random = Random::new(99);
             for _ in 0..100_000 {
                 let (a, b) = (random.uniform(), random.uniform());
