@@ -15,7 +15,7 @@
 //! are wrong alike; so the scatter of the pixel's samples counts half at the least.
 
 use super::film::{Film, Pixel};
-use super::neighbourhood::box_mean;
+use super::neighbourhood::{box_mean, mean_of_others};
 use crate::scene::{FilmSize, Sampler};
 use crate::stats::interval::{Interval, student};
 use rayon::prelude::*;
@@ -48,6 +48,8 @@ pub struct ImageError {
 #[derive(Clone, Copy)]
 struct SquaredTruth {
     square: f64,
+    /// What it may be at the least.
+    least: f64,
     /// The variance of its root over that of the pixel: k² + (1 − k²)/n of k times the pixel and 1 − k times the mean of n.
     noise: f64,
 }
@@ -64,7 +66,8 @@ impl Film {
     /// In the denominators D stands what the image suggests for the truth r. Its noise, of variance ρV, is of two consequences.
     /// By chance D = r² is off by 2r√(ρV), pixel by pixel, which adds 4ρ(V/D)³ to the variance of the pixel's term. On the
     /// whole it makes the estimate too small or too large, as errors are skewed or not; how much it may be is told by
-    /// denominators with their noise added to them, and the interval is so much wider.
+    /// denominators with their noise added to them, and the interval is so much wider. Its upper end allows besides for pixels
+    /// that are bright by chance: their denominators may be those that the lesser replicate and the pixels around suggest.
     pub fn error_at(&self, confidence: f64) -> Option<ImageError> {
         let mean = self.mean();
         let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
@@ -77,13 +80,14 @@ impl Film {
         let variances = self.variances()?;
         let pixels = noise.par_iter().zip(&truth).zip(&variances);
         let terms = pixels.map(|((noise, truth), variances)| {
-            let (mut term, mut with_noise) = (0.0, 0.0);
+            let (mut term, mut with_noise, mut at_most) = (0.0, 0.0, 0.0);
             let (mut relative, mut of_denominator) = (0.0, 0.0);
             for c in 0..3 {
                 let denominator = truth[c].square + floor;
                 let its_noise = truth[c].noise * noise[c];
                 term += noise[c] / denominator / 3.0;
                 with_noise += noise[c] / (denominator + its_noise) / 3.0;
+                at_most += noise[c] / (truth[c].least + floor) / 3.0;
                 let variance = variances[c] / denominator;
                 relative += variance / 3.0;
                 of_denominator += 4.0 * truth[c].noise * variance.powi(3) / 3.0;
@@ -91,12 +95,17 @@ impl Film {
             let by_replicates = 4.0 / 3.0 * term.powi(2);
             let by_scatter = 2.0 * relative.powi(2);
             let variance = by_replicates.max(by_scatter) + of_denominator;
-            [term, term - with_noise, variance, variance.powi(2)]
+            let of_denominators = [term - with_noise, at_most - term];
+            [
+                term,
+                of_denominators[0],
+                of_denominators[1],
+                variance,
+                variance.powi(2),
+            ]
         });
-        let [sum, of_denominators, variance, squares] = terms.reduce(
-            || [0.0; 4],
-            |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]],
-        );
+        let [sum, above, below, variance, squares] =
+            terms.reduce(|| [0.0; 5], |a, b| std::array::from_fn(|i| a[i] + b[i]));
         // How many pixels share the variance: few products of errors are no normal variable.
         let freedom = if squares > 0.0 {
             variance * variance / squares
@@ -105,12 +114,13 @@ impl Film {
         };
         let by_chance = student(freedom, confidence) * variance.sqrt();
         let pixels = self.pixels.len() as f64;
-        let half = by_chance.hypot(of_denominators) / pixels;
-        let interval = Interval::positive(sum / pixels, half);
+        let interval = |of_denominators: f64| {
+            Interval::positive(sum / pixels, by_chance.hypot(of_denominators) / pixels)
+        };
         Some(ImageError {
-            rel_mse: interval.value,
-            rel_mse_low: interval.low,
-            rel_mse_high: interval.high,
+            rel_mse: sum / pixels,
+            rel_mse_low: interval(above).low,
+            rel_mse_high: interval(above.max(below)).high,
             confidence,
         })
     }
@@ -154,6 +164,7 @@ impl Film {
         let squares: Vec<_> = values.iter().map(|v| v.map(|v| v * v)).collect();
         let around = |values: &[[f64; 3]]| box_mean(values, self.size, MEAN_RADIUS);
         let (local, squares, noise_around) = (around(&values), around(&squares), around(noise));
+        let others = mean_of_others(&local, &values, self.size, MEAN_RADIUS);
         let truth = (0..values.len()).into_par_iter().map(|i| {
             [0, 1, 2].map(|c| {
                 let mean = local[i][c];
@@ -164,10 +175,12 @@ impl Film {
                 let (square, left) = ((0.5 * (a + b)).powi(2), (0.5 * (a - b)).powi(2));
                 let share = if square > left { left / square } else { 1.0 };
                 let square = square * (1.0 - share * (1.0 - share));
-                let least = replicates[i][0][c].min(replicates[i][1][c]).powi(2);
+                let lesser = replicates[i][0][c].min(replicates[i][1][c]);
                 let doubt = noise[i][c] / (noise[i][c] + square).max(f64::MIN_POSITIVE);
+                let square = square.max(doubt * lesser * lesser);
                 SquaredTruth {
-                    square: square.max(doubt * least),
+                    square,
+                    least: square.min(lesser.max(others[i][c]).powi(2)),
                     noise: keep * keep + (1.0 - keep * keep) / LOCAL_PIXELS,
                 }
             })

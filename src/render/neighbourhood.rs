@@ -32,6 +32,23 @@ pub fn box_mean(values: &[[f64; 3]], size: FilmSize, radius: usize) -> Vec<[f64;
     means
 }
 
+/// The same without the pixel itself, from the `means` with it; zero where there are no others.
+pub fn mean_of_others(
+    means: &[[f64; 3]],
+    values: &[[f64; 3]],
+    size: FilmSize,
+    radius: usize,
+) -> Vec<[f64; 3]> {
+    let (width, height) = (size.width as usize, size.height as usize);
+    let side = |at: usize, length: usize| (at + radius + 1).min(length) - at.saturating_sub(radius);
+    let pixels = means.par_iter().zip(values).enumerate();
+    let others = pixels.map(|(i, (mean, value))| {
+        let count = (side(i % width, width) * side(i / width, height)) as f64;
+        [0, 1, 2].map(|c| (count * mean[c] - value[c]) / (count - 1.0).max(1.0))
+    });
+    others.collect()
+}
+
 fn mean(values: &[[f64; 3]]) -> [f64; 3] {
     let sum = values.iter().fold([0.0; 3], |sum, v| {
         [sum[0] + v[0], sum[1] + v[1], sum[2] + v[2]]
@@ -55,6 +72,15 @@ mod tests {
         assert!((means[0][0] - 2.5).abs() < 1e-12);
         assert!((means[6][0] - 6.0).abs() < 1e-12);
         assert!(means.iter().all(|m| (m[1] - 1.0).abs() < 1e-12));
+        let others = mean_of_others(&means, &values, size, 1);
+        assert!((others[0][0] - 10.0 / 3.0).abs() < 1e-12);
+        assert!((others[6][0] - 6.0).abs() < 1e-12);
+        let one = FilmSize {
+            width: 1,
+            height: 1,
+        };
+        let alone = [[3.0, 1.0, 0.0]];
+        assert_eq!(mean_of_others(&alone, &alone, one, 2), [[0.0; 3]]);
         let all = box_mean(&values, size, 9);
         assert!(all.iter().all(|m| (m[0] - 5.5).abs() < 1e-12));
     }
