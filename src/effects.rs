@@ -151,6 +151,9 @@ effects! {
     AlphaLights "ALPHA_LIGHTS" "alpha-lights" Simulation |r| r.alpha_lights();
     /// Directions are chosen in proportion to the BSDF.
     SampleBsdf "SAMPLE_BSDF" "bsdf-sampling" Sampling |r| r.bsdf_sampling();
+    /// BSDF-sampled rays that may find light beyond all surfaces: without, only those are traced that come near a surface that
+    /// emits.
+    EscapingRays "ESCAPING_RAYS" "escaping-rays" Simulation |r| r.escaping_rays();
     /// Directions are chosen uniformly over the hemisphere.
     UniformHemisphere "HEMISPHERE_UNIFORM" "uniform-hemisphere" Sampling |r| r.directions(Strategy::UniformHemisphere);
     /// Directions are chosen in proportion to the cosine.

@@ -115,6 +115,7 @@ fn structs_have_the_same_members() {
         suns,
         environment_linear,
         first_emission,
+        light_boxes,
     });
     let dispatch = members!(Dispatch {
         block_start,

@@ -12,6 +12,7 @@ const CONFIG: Config = Config {
     stamp: 1,
     light_groups: 2,
     environment_group: 1,
+    light_boxes: 1,
 };
 
 fn validate(effects: &Effects, what: &str) -> String {

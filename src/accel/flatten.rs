@@ -56,6 +56,19 @@ impl Default for Bvh {
     }
 }
 
+impl Bvh {
+    /// The words of a box of normalised space, as a node has them, with a cell of margin.
+    pub fn box_words(&self, low: DVec3, high: DVec3) -> [u32; 3] {
+        let grid = Grid {
+            origin: self.grid_origin.as_dvec3(),
+            scale: self.grid_scale.as_dvec3(),
+        };
+        let cell = DVec3::ONE / grid.scale;
+        let (low, high) = ((low - cell).as_vec3(), (high + cell).as_vec3());
+        [0, 1, 2].map(|axis| grid.axis_word(axis, low[axis], high[axis]))
+    }
+}
+
 /// The grid that the boxes are rounded to. Its origin and scale are those of the GPU, in f32.
 struct Grid {
     origin: DVec3,

@@ -1,15 +1,18 @@
 //! Acceleration: the scene's primitives and a bounding volume hierarchy over them.
 //!
 //! [`mod@primitives`] flattens shapes into triangles, rectangles, disks and spheres in normalised space; [`mod@build`] makes
-//! a binary BVH (by `obvhs`); [`flatten`] turns it into the nodes that the GPU reads.
+//! a binary BVH (by `obvhs`); [`flatten`] turns it into the nodes that the GPU reads; [`mod@light_boxes`] tells which rays can meet a
+//! light.
 
 pub mod attributes;
 pub mod build;
 pub mod flatten;
+pub mod light_boxes;
 pub mod octahedral;
 pub mod primitives;
 
 pub use attributes::{Attributed, Attributes, texture_coordinates};
 pub use build::build;
 pub use flatten::{Bvh, Node};
+pub use light_boxes::{MAX_LIGHT_BOXES, light_boxes};
 pub use primitives::{Primitive, PrimitiveGeometry, primitives};

@@ -217,6 +217,16 @@ impl Rules<'_> {
         }
     }
 
+    /// Whether BSDF-sampled rays find light where they leave the scene.
+    pub(super) fn escaping_rays(&self) -> Option<String> {
+        let beyond = self.light(|light| match light {
+            Emitter::Environment => Some("[environment]"),
+            Emitter::Sun(_) => Some("a sun"),
+            Emitter::Area { .. } | Emitter::Delta(_) => None,
+        });
+        beyond.filter(|_| self.has(Effect::SampleBsdf))
+    }
+
     pub(super) fn environment_map(&self) -> Option<String> {
         self.map().map(|map| {
             format!(

@@ -73,6 +73,14 @@ pub fn is_lit(rgb: DVec3) -> bool {
 }
 
 impl Emitters {
+    /// The primitives that emit.
+    pub fn primitives(&self) -> impl Iterator<Item = u32> {
+        self.lights.iter().filter_map(|light| match light {
+            Emitter::Area { primitive, .. } => Some(*primitive),
+            Emitter::Delta(_) | Emitter::Sun(_) | Emitter::Environment => None,
+        })
+    }
+
     /// Lists the lights of `scene`, whose primitives are `primitives`.
     ///
     /// With strategies that do not sample lights only those without a surface are ever chosen: nothing else reaches them.

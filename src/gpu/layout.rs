@@ -1,5 +1,6 @@
 //! Structs shared with the shaders. `tests/layout.rs` compares every member with `shaders/types.wesl`.
 
+use crate::accel::MAX_LIGHT_BOXES;
 use bytemuck::{Pod, Zeroable};
 
 /// `Frame` of `shaders/types.wesl`: what stays the same for a whole render.
@@ -88,6 +89,8 @@ pub struct Frame {
     pub environment_linear: u32,
     /// Word of the lights at which the maps of emission begin.
     pub first_emission: u32,
+    /// Boxes around the primitives that emit, as in a node of the BVH; the fourth word is unused.
+    pub light_boxes: [[u32; 4]; MAX_LIGHT_BOXES],
 }
 
 /// Words of [`Frame::filter_knots`].

@@ -44,7 +44,7 @@ impl<'a> SceneProgram<'a> {
         let storage = wgpu::BufferUsages::STORAGE;
         context.checked(|| {
             let frame: GpuBuffer<Frame> = GpuBuffer::zeroed(device, "program.frame", 1, uniform);
-            let data = scene_buffers::frame(prepared, film, seed, &buffers);
+            let data = scene_buffers::frame(prepared, film, seed, buffers.environment.grid);
             let bytes = bytemuck::bytes_of(&data);
             context.queue.write_buffer(frame.raw(), 0, bytes);
             let dispatch = GpuBuffer::zeroed(device, "program.dispatch", 1, uniform);

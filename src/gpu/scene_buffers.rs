@@ -244,8 +244,8 @@ fn filter_words(table: &FilterTable) -> [[f32; 4]; FILTER_WORDS] {
     })
 }
 
-/// The uniform that stays the same for a render.
-pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuffers) -> Frame {
+/// The uniform that stays the same for a render; `environment_grid` are the cells of the environment's sampling grid.
+pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, environment_grid: [u32; 2]) -> Frame {
     let camera = prepared.normalization.camera(&prepared.scene.camera);
     let half_height = camera.half_height();
     let f3 = |v: DVec3| v.as_vec3().to_array();
@@ -284,6 +284,9 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
         filter_knots: filter_words(&filter),
         ..Frame::default()
     };
+    for (words, &[x, y, z]) in frame.light_boxes.iter_mut().zip(&prepared.light_boxes) {
+        *words = [x, y, z, 0];
+    }
     let (first_sun, suns) = prepared.emitters.suns();
     frame.first_sun = first_sun as u32;
     frame.suns = suns as u32;
@@ -320,6 +323,6 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, buffers: &SceneBuff
             }
         }
     }
-    frame.environment_grid = buffers.environment.grid;
+    frame.environment_grid = environment_grid;
     frame
 }

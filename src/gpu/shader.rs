@@ -25,6 +25,8 @@ pub struct Config {
     pub light_groups: u32,
     /// That of the environment.
     pub environment_group: u32,
+    /// Boxes around what emits.
+    pub light_boxes: u32,
 }
 
 impl Default for Config {
@@ -34,6 +36,7 @@ impl Default for Config {
             stamp: 1,
             light_groups: 1,
             environment_group: 0,
+            light_boxes: 0,
         }
     }
 }
@@ -48,6 +51,7 @@ impl Config {
             stack_depth: prepared.stack_depth(),
             light_groups: emitters.groups.count(),
             environment_group: environment.map_or(0, |index| emitters.groups.of_light(index)),
+            light_boxes: prepared.light_boxes.len() as u32,
             ..Self::default()
         }
     }
@@ -58,6 +62,7 @@ impl Config {
             ("STAMP", self.stamp),
             ("LIGHT_GROUP_COUNT", self.light_groups),
             ("ENVIRONMENT_GROUP", self.environment_group),
+            ("LIGHT_BOX_COUNT", self.light_boxes),
         ];
         let lines = constants.map(|(name, value)| format!("const {name}: u32 = {value}u;\n"));
         lines.concat()

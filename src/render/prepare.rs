@@ -21,6 +21,8 @@ pub struct Prepared {
     pub bvh: Bvh,
     /// The lights and how they are chosen.
     pub emitters: Emitters,
+    /// Boxes around the primitives that emit; see [`accel::light_boxes`](crate::accel::light_boxes()).
+    pub light_boxes: Vec<[u32; 3]>,
     /// What is compiled in, and why.
     pub effects: Effects,
     /// Seconds that building the hierarchy took.
@@ -37,6 +39,9 @@ impl Prepared {
         let accel_seconds = start.elapsed().as_secs_f64();
         let attributes = Attributes::new(&scene, &primitives);
         let emitters = Emitters::new(&scene, &normalization, &primitives, strategy, selection);
+        let emitting = emitters.primitives();
+        let emitting = emitting.map(|index| primitives[index as usize].geometry.bounds());
+        let light_boxes = accel::light_boxes(&bvh, emitting.collect());
         let effects = effects::called_for(&scene, &primitives, &attributes, &emitters, strategy);
         Self {
             scene,
@@ -45,6 +50,7 @@ impl Prepared {
             attributes,
             bvh,
             emitters,
+            light_boxes,
             effects,
             accel_seconds,
         }

@@ -3,7 +3,7 @@
 use super::fetch::{Primitive, World};
 use super::opacity::{CROSSING_FIRST, CROSSING_SECOND, Crossings, opacity_at};
 use crate::accel::PrimitiveGeometry;
-use crate::reference::core::bvh::{Children, enter_box};
+use crate::reference::core::bvh::{Aabb, Children, enter_box};
 use crate::reference::core::ray::{Hit, Ray};
 use crate::reference::core::ray_planar::{
     PlanarHit, intersect_disk, intersect_rectangle, intersect_triangle,
@@ -109,6 +109,17 @@ fn traverse(
         }
     }
     nearest
+}
+
+/// Whether the ray enters the box of a primitive that emits: it meets no light otherwise. The GPU's boxes are wider.
+pub fn may_meet_light(world: &World<'_>, ray: &Ray) -> bool {
+    let inv_direction = ray.direction.recip();
+    let mut emitting = world.primitives.iter().filter(|p| p.light.is_some());
+    emitting.any(|p| {
+        let (low, high) = p.geometry.bounds();
+        let aabb = Aabb { low, high };
+        enter_box(ray.origin, inv_direction, &aabb, f64::INFINITY).is_some()
+    })
 }
 
 /// The nearest intersection with parameter in (0, ∞) that stops the ray.

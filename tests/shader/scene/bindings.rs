@@ -34,7 +34,12 @@ fn the_frame_is_the_hosts() {
     let answers = call_in(&context, &prepared, &function, &[], 1);
     let scene = &prepared.scene;
     let buffers = SceneBuffers::new(&context, &prepared).unwrap();
-    let frame = scene_buffers::frame(&prepared, scene.film, scene.render.seed, &buffers);
+    let frame = scene_buffers::frame(
+        &prepared,
+        scene.film,
+        scene.render.seed,
+        buffers.environment.grid,
+    );
     let expected: &[u32] = bytemuck::cast_slice(std::slice::from_ref(&frame));
     let found: Vec<u32> = (0..42).map(|i| answers.u32(i).next().unwrap()).collect();
     assert_eq!(found, expected[..42]);

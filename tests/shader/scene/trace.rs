@@ -1,6 +1,7 @@
 //! `shaders/scene/trace.wesl`: random rays against the twin's traversal and against every primitive in turn.
 
 use super::prepared;
+use crate::support::every_kind::{constant_environment, every_kind};
 use crate::support::random::{numbers, rounded};
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in, words};
@@ -12,7 +13,7 @@ use direkt::reference::core::ray::{Hit, Ray};
 use direkt::reference::light::sphere::sample_sphere_area;
 use direkt::reference::scene::fetch::World;
 use direkt::reference::scene::opacity::Crossings;
-use direkt::reference::scene::trace::{any_hit, closest_hit, intersect_primitive};
+use direkt::reference::scene::trace::{any_hit, closest_hit, intersect_primitive, may_meet_light};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -157,6 +158,55 @@ fn rays_through_veach_meet_what_the_twin_meets() {
 #[test]
 fn rays_through_spot_and_sun_meet_what_the_twin_meets() {
     check_scene("spot_and_sun.toml");
+}
+
+/// Rays that are not traced, as they enter no light's box, would have met none; and there are such rays.
+#[test]
+fn rays_that_meet_a_light_enter_its_box() {
+    let context = context();
+    let scenes =
+        ["cornell.toml", "veach.toml", "corner.toml"].map(|n| scene(&format!("scenes/{n}")));
+    let scenes = scenes
+        .into_iter()
+        .chain([every_kind(constant_environment())]);
+    for prepared in scenes.map(prepared) {
+        let name = prepared.scene.source.display().to_string();
+        let twin = Twin::new(&prepared, prepared.scene.film, 23, None);
+        let world = twin.direct().world();
+        let rays = rays(&twin);
+        let function = Function {
+            imports: "import package::core::ray::Ray;
+                      import package::scene::trace::may_meet_light;",
+            body: "out_bool(0u, may_meet_light(Ray(in_vec3f(0u), in_vec3f(3u))));",
+            inputs: 6,
+            outputs: 1,
+            features: &[],
+        };
+        let inputs = rays.iter().flat_map(|(ray, _)| {
+            let [o, d] = [ray.origin, ray.direction];
+            [o.x, o.y, o.z, d.x, d.y, d.z]
+        });
+        let inputs = words(&inputs.collect::<Vec<_>>());
+        let answers = call_in(&context, &prepared, &function, &inputs, rays.len());
+        let (mut met, mut spared) = (0, 0);
+        for ((ray, _), may) in rays.iter().zip(answers.u32(0)) {
+            let hit = closest_hit(world, ray, Crossings::OPAQUE);
+            let light = hit.and_then(|h| world.primitives[h.primitive as usize].light);
+            let near = may_meet_light(world, ray);
+            assert!(near || light.is_none(), "{name}: the twin, {ray:?}");
+            assert!(
+                may == 1 || !near,
+                "{}, {name}: {ray:?}",
+                context.adapter.name
+            );
+            met += u32::from(light.is_some());
+            spared += 1 - may;
+        }
+        assert!(
+            met > 10 && spared > RAYS / 10,
+            "{name}: {met} met, {spared} spared"
+        );
+    }
 }
 
 /// One-sided surfaces of every kind are passed through from behind.
