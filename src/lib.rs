@@ -23,7 +23,7 @@
 //! ```
 //!
 //! One direction only: `scene ← accel ← gpu ← render ← cli`. [`cost`], [`report`] and [`explain`] stand
-//! between `render` and `cli`. Beside it, [`stats`] decides whether samples agree with what they should be, and
+//! between `render` and `cli`, and so does [`window`](mod@window). Beside it, [`stats`] decides whether samples agree with what they should be, and
 //! [`reference`](mod@reference) computes what they should be; both in f64 and without the GPU. [`compare`] holds one
 //! against the other; `docs/verification.md` says how. [`lab`] runs kernels without a scene.
 //! Its plots, the report's and those of `explain` are made of [`drawing`].
@@ -88,7 +88,7 @@
 //!
 //! - AOVs with rays of their own upload the scene a second time.
 //! - Glass passes no shadow rays, so that its shadows are black; transmission is smooth, and bodies do not absorb.
-//! - Emissive textures are read past, with a warning each, and vertex colours with their alpha.
+//! - Vertex colours are read past, with a warning each.
 //! - Lights with an opacity are chosen as often as opaque ones.
 //! - The BVH's boxes lie on one 16-bit grid over the scene: where detail is finer than 1/65,535 of the scene's size,
 //!   boxes are looser than they need be.
@@ -110,3 +110,5 @@ pub mod render;
 pub mod report;
 pub mod scene;
 pub mod stats;
+#[cfg(feature = "window")]
+pub mod window;

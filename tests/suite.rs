@@ -20,3 +20,5 @@ mod render;
 mod scene;
 mod shader;
 mod support;
+#[cfg(feature = "window")]
+mod window;

@@ -10,6 +10,8 @@ mod interrupt;
 mod lab;
 mod outputs;
 mod passes;
+#[cfg(feature = "window")]
+mod preview;
 mod progress;
 mod render;
 mod settings;
@@ -31,6 +33,9 @@ struct Cli {
 enum Command {
     /// Render a scene progressively to .exr and .png files
     Render(render::Arguments),
+    /// Show a scene in a window while its image gets right
+    #[cfg(feature = "window")]
+    Preview(preview::Arguments),
     /// Hold the GPU estimator against the reference: exit 0 when they agree, 1 when not
     Compare(compare::Arguments),
     /// Tell what accuracy costs in time: error against time of every estimator, in a report
@@ -49,6 +54,8 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Render(arguments) => render::run(&arguments),
+        #[cfg(feature = "window")]
+        Command::Preview(arguments) => preview::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Cost(arguments) => cost::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),

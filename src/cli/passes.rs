@@ -66,8 +66,13 @@ impl<'a> Passes<'a> {
         }
     }
 
-    /// Takes passes until the samples, the time or the user's patience run out, or the image is right enough.
-    pub fn take(&mut self, session: &mut Session<'_>) -> Result<Progressed, Error> {
+    /// Takes passes until the samples, the time or the user's patience run out, or the image is right enough; `after` is called
+    /// after each.
+    pub fn take(
+        &mut self,
+        session: &mut Session<'_>,
+        mut after: impl FnMut(&Session<'_>) -> Result<(), Error>,
+    ) -> Result<Progressed, Error> {
         let spp = self.scene.render.spp;
         let mut stopped_by = StoppedBy::Samples;
         while session.samples() < spp {
@@ -88,6 +93,7 @@ impl<'a> Passes<'a> {
             self.passes += 1;
             let pixels = self.scene.film.pixels();
             self.progress.update(session, self.passes, pixels)?;
+            after(session)?;
             let look = self.watch.as_mut().map(|w| w.look(session)).transpose()?;
             stopped_by = match look {
                 Some(Look::Reached) => StoppedBy::Error,

@@ -1,5 +1,8 @@
 //! `direkt render`: a scene file in, images out.
 
+mod live;
+mod report;
+
 use super::check::{CheckArgument, print_verdict};
 use super::outputs::OutputArguments;
 use super::passes::{Passes, Progressed, StoppedBy};
@@ -9,11 +12,11 @@ use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
 use crate::image::layers;
 use crate::render::{
-    AovImages, Check, Film, ImageError, Ledger, Prepared, RayCounts, Session, render_aovs,
-    render_through_losses,
+    AovImages, Film, Prepared, RayCounts, Session, render_aovs, render_through_losses,
 };
-use crate::scene::{Aovs, LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
-use serde::Serialize;
+use crate::scene::{Aovs, Scene};
+use live::{Live, LiveArguments};
+use report::{Report, Seconds, attributes, ledger_sentence, report, summary};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -24,6 +27,8 @@ pub struct Arguments {
     scene: SceneArguments,
     #[command(flatten)]
     outputs: OutputArguments,
+    #[command(flatten)]
+    live: LiveArguments,
     #[command(flatten)]
     check: CheckArgument,
     #[command(flatten)]
@@ -114,58 +119,6 @@ impl Arguments {
     }
 }
 
-/// What `--json` writes.
-#[derive(Debug, Serialize)]
-struct Report {
-    direkt: &'static str,
-    scene: String,
-    adapter: AdapterFacts,
-    width: u32,
-    height: u32,
-    spp: u64,
-    passes: u64,
-    /// What ended it.
-    stopped_by: StoppedBy,
-    seconds: Seconds,
-    rays: RayCounts,
-    samples_per_second: f64,
-    rays_per_second: f64,
-    error: Option<ImageError>,
-    non_finite: Ledger,
-    effects: Vec<EffectReport>,
-    strategy: Strategy,
-    light_selection: LightSelection,
-    light_sampling: LightSampling,
-    mis_compensation: bool,
-    shadow_rays: u32,
-    shadow_pattern: ShadowPattern,
-    biased: Option<String>,
-    sampler: Sampler,
-    seed: u32,
-    aovs: Aovs,
-    light_groups: Vec<String>,
-    image_mean: [f64; 3],
-    image_mean_standard_error: Option<[f64; 3]>,
-    check: Option<Check>,
-    warnings: Vec<String>,
-}
-
-#[derive(Debug, Serialize)]
-struct Seconds {
-    load: f64,
-    accel: f64,
-    compile: f64,
-    render: f64,
-    aovs: f64,
-    total: f64,
-}
-
-#[derive(Debug, Serialize)]
-struct EffectReport {
-    name: &'static str,
-    reason: String,
-}
-
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let start = Instant::now();
@@ -183,13 +136,15 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         eprintln!("direkt: warning: {bias}");
     }
     let quiet = arguments.quiet || arguments.json.is_stdout();
+    let mut live = Live::new(&arguments.live, &arguments.outputs, &prepared.scene)?;
     let mut passes = None;
     let work = |session: &mut Session<'_>| {
         let passes = passes.get_or_insert_with(|| {
             announce(&prepared.scene, session, quiet);
             Passes::new(&prepared.scene, quiet)
         });
-        Rendered::new(passes.take(session)?, session, &prepared)
+        let progressed = passes.take(session, |session| live.look(session))?;
+        Rendered::new(progressed, session, &prepared)
     };
     let rendered = render_through_losses(open, &prepared, work, |error, samples| {
         eprintln!(
@@ -213,6 +168,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let channels = layers::channels(&prepared, film, &rendered.aovs);
     let mut attributes = attributes(&report);
     attributes.extend(layers::attributes(&prepared, &rendered.aovs));
+    live.end(film);
     arguments.outputs.write(film, &channels, &attributes)?;
     report.check = arguments.check.compare(&prepared.scene, film)?;
     finish(arguments, &report, quiet)
@@ -265,54 +221,10 @@ impl Rendered {
     }
 }
 
-fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds) -> Report {
-    let settings = prepared.scene.render;
-    let Rendered {
-        film,
-        rays,
-        progressed,
-        adapter,
-        ..
-    } = rendered;
-    let rays = *rays;
-    Report {
-        direkt: env!("CARGO_PKG_VERSION"),
-        scene: prepared.scene.source.display().to_string(),
-        adapter: adapter.clone(),
-        width: film.size.width,
-        height: film.size.height,
-        spp: film.sample_range().1,
-        passes: progressed.passes,
-        stopped_by: progressed.stopped_by,
-        samples_per_second: rays.camera as f64 / seconds.render,
-        rays_per_second: rays.total() as f64 / seconds.render,
-        seconds,
-        rays,
-        error: film.error(),
-        non_finite: film.ledger,
-        effects: effect_reports(prepared),
-        strategy: settings.strategy,
-        light_selection: settings.light_selection,
-        light_sampling: settings.light_sampling,
-        mis_compensation: settings.mis_compensation,
-        shadow_rays: settings.shadow_rays,
-        shadow_pattern: settings.shadow_pattern,
-        biased: prepared.bias(),
-        sampler: settings.sampler,
-        seed: settings.seed,
-        aovs: settings.aovs,
-        light_groups: prepared.emitters.groups.names.clone(),
-        image_mean: film.mean(),
-        image_mean_standard_error: film.standard_error_of_mean(),
-        check: None,
-        warnings: prepared.scene.warnings.clone(),
-    }
-}
-
 fn finish(arguments: &Arguments, report: &Report, quiet: bool) -> Result<ExitCode, Error> {
     arguments.json.write(report)?;
     if !quiet {
-        eprintln!("{}", summary(arguments, report));
+        eprintln!("{}", summary(&arguments.outputs.output, report));
     }
     if report.stopped_by == StoppedBy::Black {
         eprintln!("direkt: warning: no sample found any light, so that no --error can be reached");
@@ -327,84 +239,4 @@ fn finish(arguments: &Arguments, report: &Report, quiet: bool) -> Result<ExitCod
         print_verdict(check)?;
     }
     Ok(ExitCode::from(u8::from(!check.passed)))
-}
-
-fn effect_reports(prepared: &Prepared) -> Vec<EffectReport> {
-    let effects = prepared
-        .effects
-        .iter()
-        .map(|(effect, reason)| EffectReport {
-            name: effect.name(),
-            reason: reason.to_owned(),
-        });
-    effects.collect()
-}
-
-/// The EXR's attributes.
-fn attributes(report: &Report) -> Vec<(&'static str, String)> {
-    let mut attributes = vec![
-        ("command", std::env::args().collect::<Vec<_>>().join(" ")),
-        ("scene", report.scene.clone()),
-        ("adapter", report.adapter.name.clone()),
-        ("driver", report.adapter.driver.clone()),
-        ("seed", report.seed.to_string()),
-        ("spp", report.spp.to_string()),
-        ("seconds", format!("{:.3}", report.seconds.render)),
-        ("direkt", report.direkt.to_owned()),
-        ("strategy", report.strategy.to_string()),
-        ("light_selection", report.light_selection.to_string()),
-        ("light_sampling", report.light_sampling.to_string()),
-        ("mis_compensation", report.mis_compensation.to_string()),
-        ("shadow_rays", report.shadow_rays.to_string()),
-        ("shadow_pattern", report.shadow_pattern.to_string()),
-        ("sampler", report.sampler.to_string()),
-    ];
-    attributes.extend(report.biased.clone().map(|bias| ("biased", bias)));
-    attributes
-}
-
-fn summary(arguments: &Arguments, report: &Report) -> String {
-    let files: Vec<String> = match arguments.outputs.output.as_slice() {
-        [] => vec![report.scene.clone()],
-        files => files.iter().map(|p| p.display().to_string()).collect(),
-    };
-    let error = report.error.map_or_else(
-        || "error unknown".to_owned(),
-        |e| {
-            format!(
-                "relMSE {:.3e} [{:.3e}, {:.3e}], √relMSE {:.2} %",
-                e.rel_mse,
-                e.rel_mse_low,
-                e.rel_mse_high,
-                100.0 * e.rel_mse.sqrt()
-            )
-        },
-    );
-    format!(
-        "{}: {} × {}, {} spp in {:.2} s ({:.1} M samples/s, {:.1} M rays/s), {error}",
-        files.join(", "),
-        report.width,
-        report.height,
-        report.spp,
-        report.seconds.render,
-        report.samples_per_second / 1e6,
-        report.rays_per_second / 1e6,
-    )
-}
-
-fn ledger_sentence(ledger: &Ledger) -> String {
-    let first = |kind: &str, bad: Option<crate::render::FirstBad>| {
-        bad.map_or_else(String::new, |b| {
-            format!(
-                "; first {kind} at pixel ({}, {}), sample {}",
-                b.x, b.y, b.sample
-            )
-        })
-    };
-    format!(
-        "{} samples were not finite and were dropped{}{}",
-        ledger.dropped,
-        first("NaN", ledger.first_nan),
-        first("infinity", ledger.first_infinite),
-    )
 }

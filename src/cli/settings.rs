@@ -18,12 +18,16 @@ pub struct AssetArguments {
 }
 
 impl AssetArguments {
+    /// How scenes are read.
+    pub fn options(&self) -> LoadOptions {
+        LoadOptions {
+            assets: self.assets.clone(),
+        }
+    }
+
     /// Reads the scene of `path`.
     pub fn load(&self, path: &Path) -> Result<Scene, Error> {
-        let options = LoadOptions {
-            assets: self.assets.clone(),
-        };
-        load(path, &options)
+        load(path, &self.options())
     }
 }
 

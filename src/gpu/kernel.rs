@@ -10,7 +10,7 @@ use crate::error::GpuError;
 
 /// A kernel over a scene: a pipeline and the layouts of its bind groups. Group 0 holds the frame, a region's pixels and
 /// what changes per dispatch, group 1 the scene, group 2 whatever else the kernel reads and writes.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct SceneKernel {
     pipeline: wgpu::ComputePipeline,
     pass_layout: wgpu::BindGroupLayout,
@@ -205,9 +205,30 @@ impl SceneKernel {
         effects: &Effects,
         config: Config,
     ) -> Result<Self, GpuError> {
+        let wgsl = Self::link(entry, effects, config)?;
+        Self::compile(context, entry, effects, wgsl)
+    }
+
+    /// The WGSL of `entry` for `effects`.
+    ///
+    /// # Errors
+    /// The shader does not link.
+    pub fn link(entry: &Entry<'_>, effects: &Effects, config: Config) -> Result<String, GpuError> {
         let further = entry.features.iter().map(|f| (*f, true));
         let features = effects.features().chain(further);
-        let wgsl = shader::link_with(entry.module, entry.source, features, config)?;
+        shader::link_with(entry.module, entry.source, features, config)
+    }
+
+    /// Compiles what [`link`](Self::link) made for `effects`.
+    ///
+    /// # Errors
+    /// The driver refuses it.
+    pub fn compile(
+        context: &Context,
+        entry: &Entry<'_>,
+        effects: &Effects,
+        wgsl: String,
+    ) -> Result<Self, GpuError> {
         let device = &context.device;
         let name = entry.name;
         let has_light_groups = effects.contains(Effect::LightGroups);

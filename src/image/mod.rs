@@ -1,6 +1,7 @@
 //! Images on disk: EXR with the error beside the radiance, PNG through a tone mapper.
 
 pub mod exr;
+pub mod heat;
 pub mod layers;
 pub mod png;
 pub mod signed;

@@ -51,7 +51,7 @@ fn largest(v: [f64; 3]) -> f64 {
 }
 
 /// Blue at −1, white at 0, red at 1; 8-bit sRGB.
-fn colour(x: f64) -> [u8; 3] {
+pub fn colour(x: f64) -> [u8; 3] {
     const BLUE: [f64; 3] = [5.0, 48.0, 97.0];
     const RED: [f64; 3] = [178.0, 24.0, 43.0];
     let end = if x < 0.0 { BLUE } else { RED };

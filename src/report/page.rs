@@ -5,12 +5,13 @@ use super::figures::{self, ranked};
 use super::format::{escape, grouped, number, range, seconds};
 use super::lead::lead;
 use super::machine::Machine;
-use super::picture::{HEAT, heat, heat_map, radiance};
+use super::picture::{heat_map, radiance};
 use super::tables::{equal_error, not_applicable, ranking, vague};
 use crate::cost::reference::Source;
 use crate::cost::{EqualTime, EstimatorCost, SceneCost};
 use crate::drawing::svg::adaptive_css;
 use crate::error::Error;
+use crate::image::heat::{HEAT, heat};
 use crate::scene::FilmSize;
 
 const STYLE: &str = include_str!("style.css");

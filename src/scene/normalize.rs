@@ -5,7 +5,7 @@
 //! any size, loses no more than one near it. Radiance does not change; the intensity of a point light grows with the
 //! square of the scale.
 
-use super::{Camera, Geometry, Lens, Projection, Scene};
+use super::{Camera, Geometry, Lens, Projection, Scene, Shape};
 use glam::DVec3;
 
 /// The map from world space to normalised space: `(p − center) · scale`.
@@ -22,7 +22,7 @@ pub struct Normalization {
 impl Normalization {
     /// The normalisation of a scene; that of one without geometry moves the eye to the origin.
     pub fn of(scene: &Scene) -> Self {
-        let Some((low, high)) = bounds(scene) else {
+        let Some((low, high)) = bounds(&scene.shapes) else {
             return Self {
                 center: scene.camera.eye,
                 scale: 1.0,
@@ -83,15 +83,15 @@ impl Normalization {
     }
 }
 
-/// The axis-parallel box around all geometry; `None` where there is none.
-pub fn bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
+/// The axis-parallel box around all `shapes`; `None` where there is none.
+pub fn bounds<'a>(shapes: impl IntoIterator<Item = &'a Shape>) -> Option<(DVec3, DVec3)> {
     let mut low = DVec3::INFINITY;
     let mut high = DVec3::NEG_INFINITY;
     let mut add = |p: DVec3| {
         low = low.min(p);
         high = high.max(p);
     };
-    for shape in &scene.shapes {
+    for shape in shapes {
         match &shape.geometry {
             Geometry::Rectangle { corner, u, v } => {
                 for p in [*corner, corner + u, corner + v, corner + u + v] {

@@ -63,7 +63,7 @@ fn geometry(scene: &Scene) -> Outcome {
             return error(shape.field(), problem, "coordinates up to 1e75");
         }
     }
-    let Some((low, high)) = bounds(scene) else {
+    let Some((low, high)) = bounds(&scene.shapes) else {
         return Ok(());
     };
     let size = (high - low).max_element();

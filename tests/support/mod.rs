@@ -1,5 +1,7 @@
 //! What several tests share.
 
+#[cfg(feature = "window")]
+pub mod display;
 pub mod every_kind;
 pub mod hard_cases;
 pub mod histogram;

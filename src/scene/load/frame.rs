@@ -1,6 +1,7 @@
 //! The camera of a scene that has none: the whole geometry fits the film.
 
-use crate::scene::{Camera, FilmSize, Geometry, Lens, Projection, Shape};
+use crate::scene::normalize::bounds;
+use crate::scene::{Camera, FilmSize, Lens, Projection, Shape};
 use glam::DVec3;
 
 /// Vertical field of view of a framed camera, in degrees.
@@ -30,41 +31,10 @@ pub(super) fn framed(shapes: &[Shape], film: FilmSize) -> Camera {
     }
 }
 
-/// Corners of the bounding box of all shapes; `None` when there is nothing.
-fn bounds(shapes: &[Shape]) -> Option<(DVec3, DVec3)> {
-    let mut low = DVec3::INFINITY;
-    let mut high = DVec3::NEG_INFINITY;
-    let mut add = |p: DVec3| {
-        low = low.min(p);
-        high = high.max(p);
-    };
-    for shape in shapes {
-        match &shape.geometry {
-            Geometry::Rectangle { corner, u, v } => {
-                for p in [*corner, corner + u, corner + v, corner + u + v] {
-                    add(p);
-                }
-            }
-            Geometry::Disk { center, u, v } => {
-                // The extent of an ellipse along an axis is √(u² + v²) of the components.
-                let r = (u * u + v * v).map(f64::sqrt);
-                add(center - r);
-                add(center + r);
-            }
-            Geometry::Sphere { center, radius } => {
-                add(center - *radius);
-                add(center + *radius);
-            }
-            Geometry::Mesh(mesh) => mesh.positions.iter().copied().for_each(&mut add),
-        }
-    }
-    low.cmple(high).all().then_some((low, high))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::MaterialId;
+    use crate::scene::{Geometry, MaterialId};
 
     fn sphere(center: DVec3, radius: f64) -> Shape {
         Shape {
@@ -100,7 +70,7 @@ mod tests {
         let point = Shape {
             geometry: Geometry::Mesh(crate::scene::Mesh {
                 positions: vec![DVec3::ONE],
-                triangles: vec![],
+                triangles: vec![[0; 3]],
                 ..crate::scene::Mesh::default()
             }),
             ..sphere(DVec3::ZERO, 1.0)

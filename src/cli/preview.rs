@@ -1,0 +1,40 @@
+//! `direkt preview`: a window in which one sees accuracy arrive.
+
+use super::AdapterArgument;
+use super::settings::{AssetArguments, EstimatorArguments, warn};
+use crate::error::Error;
+use crate::window::{self, Options};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Arguments of `direkt preview`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// The scene: .toml, .gltf or .glb
+    scene: PathBuf,
+    #[command(flatten)]
+    assets: AssetArguments,
+    #[command(flatten)]
+    estimator: EstimatorArguments,
+    /// Tell on stderr what happens
+    #[arg(short, long)]
+    verbose: bool,
+    #[command(flatten)]
+    adapter: AdapterArgument,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
+    let mut scene = arguments.assets.load(&arguments.scene)?;
+    arguments.estimator.apply(&mut scene)?;
+    warn(&scene);
+    let options = Options {
+        path: arguments.scene.clone(),
+        load: arguments.assets.options(),
+        adapter: arguments.adapter.adapter.clone(),
+        size: [scene.film.width, scene.film.height],
+        verbose: arguments.verbose,
+    };
+    window::run(scene, options)?;
+    Ok(ExitCode::SUCCESS)
+}

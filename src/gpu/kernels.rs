@@ -1,0 +1,33 @@
+//! Kernels that are used more than once.
+
+use super::context::Context;
+use super::kernel::{Entry, SceneKernel};
+use super::shader::Config;
+use crate::effects::Effects;
+use crate::error::GpuError;
+
+/// Kernels that one device has compiled.
+#[derive(Debug, Default)]
+pub struct Kernels(Vec<SceneKernel>);
+
+impl Kernels {
+    /// The kernel of `entry` for `effects`: one that is known, or else compiled now.
+    ///
+    /// # Errors
+    /// The shader does not link, or the driver refuses it.
+    pub fn get(
+        &mut self,
+        context: &Context,
+        entry: &Entry<'_>,
+        effects: &Effects,
+        config: Config,
+    ) -> Result<SceneKernel, GpuError> {
+        let wgsl = SceneKernel::link(entry, effects, config)?;
+        if let Some(known) = self.0.iter().find(|kernel| kernel.wgsl() == wgsl) {
+            return Ok(known.clone());
+        }
+        let kernel = SceneKernel::compile(context, entry, effects, wgsl)?;
+        self.0.push(kernel.clone());
+        Ok(kernel)
+    }
+}

@@ -1,0 +1,267 @@
+//! Sessions: made, and begun again.
+
+use super::checkpoint::Saved;
+use super::region::{Region, light_groups, most_tiles};
+use super::{RayCounts, Session};
+use crate::error::GpuError;
+use crate::gpu::kernel::{DIRECT, SceneKernel};
+use crate::gpu::layout::{Dispatch, Frame, TILE, TILE_PIXELS};
+use crate::gpu::scene_buffers::{self, SceneBuffers};
+use crate::gpu::shader::Config;
+use crate::gpu::{Context, GpuBuffer, Kernels};
+use crate::render::film::Film;
+use crate::render::prepare::{Patterns, Prepared};
+use crate::scene::FilmSize;
+use std::time::{Duration, Instant};
+
+/// Tiles of a region at most: 2²⁰ pixels, 48 MiB of states.
+const REGION_TILES: u32 = 1 << 14;
+/// How long a dispatch should take on a GPU whose watchdog ends long ones.
+const HARDWARE_DISPATCH: Duration = Duration::from_millis(80);
+/// How long it should take in software, where only the progress display waits for it.
+const SOFTWARE_DISPATCH: Duration = Duration::from_millis(250);
+/// Pixel-samples of the first dispatch, before anything has been measured, where each takes one shadow ray.
+const FIRST_BUDGET: u64 = 1 << 15;
+
+/// What two sessions of one scene may differ in.
+struct Build<'k> {
+    region_tiles: u32,
+    stamp: u32,
+    kernels: Option<&'k mut Kernels>,
+}
+
+impl Default for Build<'_> {
+    fn default() -> Self {
+        Self {
+            region_tiles: REGION_TILES,
+            stamp: Config::default().stamp,
+            kernels: None,
+        }
+    }
+}
+
+impl<'a> Session<'a> {
+    /// Compiles the kernel and uploads the scene.
+    ///
+    /// # Errors
+    /// The scene is too large for the adapter, the kernel does not compile, or the driver fails.
+    pub fn new(
+        context: &'a Context,
+        prepared: &Prepared,
+        film: FilmSize,
+        seed: u32,
+    ) -> Result<Self, GpuError> {
+        Self::build(context, prepared, film, seed, Build::default())
+    }
+
+    /// The same, compiled anew even where the driver kept what it compiled before: `stamp` is one that no other had, and not 0.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn compiled_anew(
+        context: &'a Context,
+        prepared: &Prepared,
+        film: FilmSize,
+        seed: u32,
+        stamp: u32,
+    ) -> Result<Self, GpuError> {
+        let build = Build {
+            stamp,
+            ..Build::default()
+        };
+        Self::build(context, prepared, film, seed, build)
+    }
+
+    /// The same with a kernel of `kernels`, where they have the one that is needed; they keep it otherwise.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_kernels(
+        context: &'a Context,
+        prepared: &Prepared,
+        film: FilmSize,
+        seed: u32,
+        kernels: &mut Kernels,
+    ) -> Result<Self, GpuError> {
+        let build = Build {
+            kernels: Some(kernels),
+            ..Build::default()
+        };
+        Self::build(context, prepared, film, seed, build)
+    }
+
+    /// The same with `region_tiles` tiles at most in one region, which does not change the image.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn in_regions(
+        context: &'a Context,
+        prepared: &Prepared,
+        film: FilmSize,
+        seed: u32,
+        region_tiles: u32,
+    ) -> Result<Self, GpuError> {
+        let build = Build {
+            region_tiles,
+            ..Build::default()
+        };
+        Self::build(context, prepared, film, seed, build)
+    }
+
+    fn build(
+        context: &'a Context,
+        prepared: &Prepared,
+        film: FilmSize,
+        seed: u32,
+        build: Build<'_>,
+    ) -> Result<Self, GpuError> {
+        let buffers = SceneBuffers::new(context, prepared)?;
+        let compile_start = Instant::now();
+        let config = Config {
+            stamp: build.stamp,
+            ..Config::of(prepared)
+        };
+        let kernel = match build.kernels {
+            Some(kernels) => kernels.get(context, &DIRECT, &prepared.effects, config),
+            None => SceneKernel::new(context, &DIRECT, &prepared.effects, config),
+        }?;
+        let device = &context.device;
+        let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let unfinished = wgpu::BufferUsages::STORAGE
+            | wgpu::BufferUsages::COPY_SRC
+            | wgpu::BufferUsages::COPY_DST;
+        let read = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
+        let grid = buffers.environment.grid;
+        let mut session = Self {
+            context,
+            scene: kernel.bind_scene(device, &buffers),
+            kernel,
+            frame: GpuBuffer::zeroed(device, "direct.frame", 1, uniform),
+            frame_data: scene_buffers::frame(prepared, film, seed, grid),
+            dispatch: GpuBuffer::zeroed(device, "direct.dispatch", 1, uniform),
+            unfinished: GpuBuffer::zeroed(device, "direct.unfinished", 1, unfinished),
+            unfinished_staging: GpuBuffer::zeroed(device, "direct.unfinished.staging", 1, read),
+            regions: Vec::new(),
+            film: new_film(prepared, film),
+            rays: RayCounts::default(),
+            merged: 0,
+            position: 0,
+            budget: first_budget(prepared),
+            dispatch_time: dispatch_time(context),
+            saved: Saved::default(),
+            compile_seconds: 0.0,
+            dispatches: 0,
+        };
+        session.write_frame()?;
+        session.make_regions(prepared, build.region_tiles)?;
+        session.warm_up()?;
+        session.compile_seconds = compile_start.elapsed().as_secs_f64();
+        Ok(session)
+    }
+
+    fn make_regions(&mut self, prepared: &Prepared, most: u32) -> Result<(), GpuError> {
+        let groups = light_groups(prepared);
+        let most = most.min(most_tiles(self.context, groups));
+        let size = self.film.size;
+        let tiles = size.width.div_ceil(TILE) * size.height.div_ceil(TILE);
+        let firsts = (0..tiles).step_by(most as usize);
+        let shared = (&self.frame, &self.dispatch, &self.unfinished);
+        let device = &self.context.device;
+        self.regions = self.context.checked(|| {
+            let regions = firsts.map(|first_tile| {
+                let place = (first_tile, most.min(tiles - first_tile));
+                Region::new(device, &self.kernel, shared, place, groups)
+            });
+            regions.collect()
+        })?;
+        Ok(())
+    }
+
+    /// Dispatches a tile without samples: some drivers compile at the first dispatch, not before.
+    fn warm_up(&self) -> Result<(), GpuError> {
+        let nothing = Dispatch {
+            fresh: 1,
+            ..Dispatch::default()
+        };
+        self.submit(&self.regions[0], &nothing, 1)?;
+        Ok(())
+    }
+
+    fn write_frame(&self) -> Result<(), GpuError> {
+        let bytes = bytemuck::bytes_of(&self.frame_data);
+        let queue = &self.context.queue;
+        self.context
+            .checked(|| queue.write_buffer(self.frame.raw(), 0, bytes))
+    }
+
+    /// Begins again without compiling anew: with other random numbers, of a sampler with other `patterns`. What was
+    /// rendered is forgotten, how long a dispatch takes is not.
+    ///
+    /// # Errors
+    /// The driver fails.
+    pub fn restart(&mut self, seed: u32, patterns: Patterns) -> Result<(), GpuError> {
+        self.frame_data.seed = seed;
+        self.frame_data.pattern = patterns.pixel;
+        self.frame_data.light_pattern = patterns.light;
+        self.write_frame()?;
+        self.close_block()?;
+        self.forget(self.film.size);
+        Ok(())
+    }
+
+    /// Begins again with another camera or another size of the image, without compiling anew. `prepared` is what the session was
+    /// made of but for its camera, which calls for the same effects.
+    ///
+    /// # Errors
+    /// The driver fails.
+    pub fn reframe(&mut self, prepared: &Prepared, film: FilmSize) -> Result<(), GpuError> {
+        let Frame {
+            seed,
+            environment_grid,
+            ..
+        } = self.frame_data;
+        self.frame_data = scene_buffers::frame(prepared, film, seed, environment_grid);
+        self.write_frame()?;
+        if film == self.film.size {
+            self.close_block()?;
+        } else {
+            self.film = new_film(prepared, film);
+            self.make_regions(prepared, REGION_TILES)?;
+            (self.position, self.saved) = (0, Saved::default());
+        }
+        self.forget(film);
+        Ok(())
+    }
+
+    fn forget(&mut self, size: FilmSize) {
+        self.merged = 0;
+        self.rays = RayCounts::default();
+        self.film =
+            Film::new(size, self.film.sampler).with_light_groups(self.film.light_groups.len());
+    }
+
+    /// Lets dispatches last about `time`: shorter ones cost some speed, but the caller is asked sooner whether to stop.
+    pub fn set_dispatch_time(&mut self, time: Duration) {
+        self.dispatch_time = time;
+    }
+}
+
+fn new_film(prepared: &Prepared, size: FilmSize) -> Film {
+    let groups = prepared.emitters.groups.names.len();
+    Film::new(size, prepared.scene.render.sampler).with_light_groups(groups)
+}
+
+/// How long a dispatch should take where nobody says otherwise.
+fn dispatch_time(context: &Context) -> Duration {
+    if context.adapter.software {
+        SOFTWARE_DISPATCH
+    } else {
+        HARDWARE_DISPATCH
+    }
+}
+
+/// Pixel-samples of the first dispatch.
+fn first_budget(prepared: &Prepared) -> u64 {
+    let rays = prepared.most_light_samples().max(1.0);
+    ((FIRST_BUDGET as f64 / rays) as u64).max(u64::from(TILE_PIXELS))
+}

@@ -1,0 +1,448 @@
+//! The window's own thread: what is on screen, and what is asked for.
+
+use super::curve::Runs;
+use super::job::{Job, Layer, MAX_VIEWS, Method, Turns};
+use super::lights::Lights;
+use super::mailbox::{Mailbox, News};
+use super::navigation::Rig;
+use super::watch::Watch;
+use super::{Options, canvas, panels, renderer, save};
+use crate::error::Error;
+use crate::image::png::Display;
+use crate::scene::load::load;
+use crate::scene::normalize::bounds;
+use crate::scene::{Camera, FilmSize, Scene};
+use eframe::egui;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// How long the camera counts as moving after it has stopped.
+const SETTLE: Duration = Duration::from_millis(150);
+
+/// Which of two views is on screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Screen {
+    /// Both, side by side.
+    Split,
+    /// One, by its index.
+    One(usize),
+}
+
+/// What the window says below its controls.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Note {
+    /// Something was done.
+    Done(String),
+    /// Something could not be done.
+    Problem(String),
+}
+
+/// The window.
+pub struct App {
+    pub(super) options: Options,
+    pub(super) mailbox: Arc<Mailbox>,
+    renderer: Option<JoinHandle<()>>,
+    /// The scene as its file has it.
+    pub(super) file: Arc<Scene>,
+    /// The same with its lights switched.
+    pub(super) scene: Arc<Scene>,
+    pub(super) lights: Lights,
+    pub(super) rig: Rig,
+    /// Whether the camera is where the file has it.
+    pub(super) at_home: bool,
+    pub(super) film: FilmSize,
+    pub(super) methods: Vec<Method>,
+    /// The view whose method the controls change.
+    pub(super) edited: usize,
+    pub(super) turns: Turns,
+    pub(super) layer: Layer,
+    pub(super) display: Display,
+    pub(super) paused: bool,
+    pub(super) inspected: Option<[f64; 2]>,
+    /// Whether what is asked about becomes sharp.
+    pub(super) focusing: bool,
+    pub(super) news: News,
+    pub(super) textures: [Option<egui::TextureHandle>; MAX_VIEWS],
+    pub(super) runs: Runs,
+    pub(super) screen: Screen,
+    /// Where the first view ends on screen, in parts of its width.
+    pub(super) split: f32,
+    pub(super) panel: bool,
+    pub(super) note: Option<Note>,
+    pub(super) saving: String,
+    watch: Watch,
+    moved: Option<Instant>,
+    posted: Option<(u64, Job)>,
+    /// When jobs were posted that have no picture yet.
+    waiting: Vec<(u64, Instant)>,
+    title: String,
+}
+
+impl App {
+    /// A window on `scene`.
+    pub fn new(creation: &eframe::CreationContext<'_>, scene: Scene, options: Options) -> Self {
+        let context = creation.egui_ctx.clone();
+        let mailbox = Arc::new(Mailbox::new(move || context.request_repaint()));
+        let started = renderer::start(Arc::clone(&mailbox), options.adapter.clone());
+        let note = started.as_ref().err();
+        let note = note.map(|e| Note::Problem(format!("no thread can be started: {e}")));
+        let [width, height] = options.size;
+        let film = FilmSize { width, height };
+        let method = Method {
+            settings: scene.render,
+            forced: Vec::new(),
+        };
+        let scene = Arc::new(scene);
+        Self {
+            watch: Watch::new(&options.path),
+            saving: saved_name(&options.path),
+            options,
+            mailbox,
+            renderer: started.ok(),
+            lights: Lights::of(&scene),
+            rig: Rig::of(&scene.camera, bounds(&scene.shapes)),
+            file: Arc::clone(&scene),
+            scene,
+            at_home: true,
+            film,
+            methods: vec![method],
+            edited: 0,
+            turns: Turns::default(),
+            layer: Layer::default(),
+            display: Display::default(),
+            paused: false,
+            inspected: None,
+            focusing: false,
+            news: News::default(),
+            textures: Default::default(),
+            runs: Runs::default(),
+            screen: Screen::Split,
+            split: 0.5,
+            panel: true,
+            note,
+            moved: None,
+            posted: None,
+            waiting: Vec::new(),
+            title: String::new(),
+        }
+    }
+
+    /// The camera as it stands.
+    pub(super) fn camera(&self) -> Camera {
+        let moved = if self.at_home {
+            None
+        } else {
+            self.rig.camera()
+        };
+        moved.unwrap_or(self.file.camera)
+    }
+
+    /// Moves the camera.
+    pub(super) fn navigate(&mut self, change: impl FnOnce(&mut Rig)) {
+        let before = self.rig;
+        change(&mut self.rig);
+        if self.rig.camera().is_none() {
+            self.rig = before;
+        }
+        if self.rig != before {
+            self.at_home = false;
+            self.inspected = None;
+            self.moved = Some(Instant::now());
+        }
+    }
+
+    /// Moves the camera to where the file has it.
+    pub(super) fn go_home(&mut self) {
+        self.rig = Rig::of(&self.file.camera, bounds(&self.file.shapes));
+        self.at_home = true;
+        self.inspected = None;
+        self.moved = Some(Instant::now());
+    }
+
+    /// Looks at what was asked about, or at everything.
+    pub(super) fn frame_selection(&mut self) {
+        let inspected = self.news.inspected.as_ref();
+        let surface = inspected.and_then(|i| i.surface.as_ref());
+        let around = surface
+            .map(|s| s.bounds)
+            .or_else(|| bounds(&self.file.shapes));
+        let aspect = self.film.aspect();
+        if let Some(around) = around {
+            self.navigate(|rig| rig.frame(around, aspect));
+        }
+    }
+
+    /// Makes the image as large as the place for it.
+    pub(super) fn resize(&mut self, [width, height]: [f32; 2]) {
+        let side = |length: f32| (length.round() as u32).clamp(1, FilmSize::MAX_SIDE);
+        let film = FilmSize {
+            width: side(width),
+            height: side(height),
+        };
+        if film != self.film {
+            self.film = film;
+            self.moved = Some(Instant::now());
+        }
+    }
+
+    /// Applies the switches of the lights.
+    pub(super) fn switch_lights(&mut self) {
+        self.scene = if self.lights.are_as_in_file() {
+            Arc::clone(&self.file)
+        } else {
+            let mut scene = Scene::clone(&self.file);
+            self.lights.apply(&mut scene);
+            Arc::new(scene)
+        };
+    }
+
+    /// Opens another scene, or the same one again, which keeps camera, methods and lights as far as it can.
+    pub(super) fn open(&mut self, path: &Path) {
+        let scene = match load(path, &self.options.load) {
+            Ok(scene) => scene,
+            Err(error) => {
+                self.say(Note::Problem(error.to_string()));
+                return;
+            }
+        };
+        let another = path != self.options.path;
+        let lights = Lights::of(&scene);
+        let names = |lights: &Lights| lights.0.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
+        if another || names(&lights) != names(&self.lights) {
+            self.lights = lights;
+        }
+        if another {
+            self.options.path = path.to_path_buf();
+            self.saving = saved_name(path);
+            self.watch = Watch::new(path);
+            self.screen = Screen::Split;
+            self.edited = 0;
+        }
+        if another || scene.render != self.file.render {
+            self.methods = vec![Method {
+                settings: scene.render,
+                forced: Vec::new(),
+            }];
+        }
+        self.file = Arc::new(scene);
+        self.switch_lights();
+        if another || self.at_home {
+            self.go_home();
+        }
+        let done = if another { "opened" } else { "read again" };
+        self.say(Note::Done(format!("{}: {done}", path.display())));
+    }
+
+    /// The file that the image is saved to.
+    pub(super) fn image_name(&self) -> PathBuf {
+        PathBuf::from(&self.saving)
+    }
+
+    /// The file that the scene is saved to: beside the one that was opened, whose files it names.
+    pub(super) fn scene_name(&self) -> PathBuf {
+        let stem = self.options.path.file_stem().unwrap_or_default();
+        let name = format!("{}_view.toml", stem.to_string_lossy());
+        self.options.path.with_file_name(name)
+    }
+
+    /// Says something below the controls' head.
+    pub(super) fn say(&mut self, note: Note) {
+        if self.options.verbose {
+            let (Note::Done(text) | Note::Problem(text)) = &note;
+            eprintln!("direkt: {text}");
+        }
+        self.note = Some(note);
+    }
+
+    /// Saves the image on screen, or the scene, by the extension of the name.
+    pub(super) fn save(&mut self, path: &Path) {
+        let saved = match crate::image::extension(path).as_str() {
+            "toml" => save::scene(path, &self.options.path, &self.changes()),
+            _ => self.save_image(path),
+        };
+        self.say(match saved {
+            Ok(()) => Note::Done(format!("{}: saved", path.display())),
+            Err(error) => Note::Problem(error.to_string()),
+        });
+    }
+
+    fn shown_view(&self) -> usize {
+        match self.screen {
+            Screen::One(index) if index < self.methods.len() => index,
+            _ => self.edited.min(self.methods.len() - 1),
+        }
+    }
+
+    fn save_image(&self, path: &Path) -> Result<(), Error> {
+        let picture = self.news.pictures[self.shown_view()].as_ref();
+        let picture = picture
+            .filter(|p| p.full)
+            .ok_or_else(|| Error::Usage(format!("{}: there is no image yet", path.display())))?;
+        save::image(path, picture, &self.options.path, &self.display)
+    }
+
+    /// What the scene on screen has that its file has not.
+    fn changes(&self) -> save::Changes {
+        let view = self.shown_view();
+        let mut settings = self.methods[view].settings;
+        if let Some(picture) = &self.news.pictures[view] {
+            settings.spp = picture.samples.max(1);
+        }
+        save::Changes {
+            rig: (!self.at_home).then_some(self.rig),
+            film: self.film,
+            settings,
+        }
+    }
+
+    /// Takes what the renderer has posted.
+    fn take_news(&mut self, context: &egui::Context) {
+        let news = self.mailbox.news();
+        for (index, picture) in news.pictures.iter().enumerate() {
+            let Some(picture) = picture else {
+                self.textures[index] = None;
+                continue;
+            };
+            let known = self.news.pictures[index].as_ref();
+            if known.is_some_and(|known| Arc::ptr_eq(known, picture)) {
+                continue;
+            }
+            self.answered(picture.version);
+            self.runs.enter(picture);
+            let image = Arc::clone(&picture.colours);
+            let options = if picture.full {
+                egui::TextureOptions::NEAREST
+            } else {
+                egui::TextureOptions::LINEAR
+            };
+            match &mut self.textures[index] {
+                Some(texture) => texture.set(image, options),
+                None => {
+                    let name = format!("view {index}");
+                    self.textures[index] = Some(context.load_texture(name, image, options));
+                }
+            }
+        }
+        self.news = news;
+        self.focus();
+    }
+
+    /// Tells how long the job `version` waited for its first picture.
+    fn answered(&mut self, version: u64) {
+        let answered = |posted: &(u64, Instant)| posted.0 <= version;
+        let last = self.waiting.iter().rfind(|p| answered(p)).copied();
+        self.waiting.retain(|p| !answered(p));
+        if let Some((job, posted)) = last.filter(|_| self.options.verbose) {
+            let milliseconds = posted.elapsed().as_secs_f64() * 1e3;
+            eprintln!("direkt: job {job}: first picture after {milliseconds:.1} ms");
+        }
+    }
+
+    /// Makes sharp what was asked about for that.
+    fn focus(&mut self) {
+        let inspected = self.news.inspected.as_ref();
+        let answer = inspected.filter(|i| self.focusing && Some(i.at) == self.inspected);
+        let Some(answer) = answer.cloned() else {
+            return;
+        };
+        self.focusing = false;
+        if let Some(surface) = &answer.surface {
+            self.navigate(|rig| rig.lens.focus_distance = surface.depth);
+            self.inspected = Some(answer.at);
+        }
+    }
+
+    /// Posts what is asked for, if that has changed.
+    fn post(&mut self, context: &egui::Context) {
+        let settled = self.moved.map(|at| SETTLE.saturating_sub(at.elapsed()));
+        let moving = settled.is_some_and(|left| !left.is_zero());
+        if let Some(left) = settled.filter(|_| moving) {
+            context.request_repaint_after(left);
+        } else {
+            self.moved = None;
+        }
+        let job = Job {
+            scene: Arc::clone(&self.scene),
+            camera: self.camera(),
+            film: self.film,
+            methods: self.methods.clone(),
+            turns: self.turns,
+            layer: self.layer,
+            display: self.display,
+            moving,
+            paused: self.paused,
+            inspected: self.inspected,
+        };
+        if self.posted.as_ref().is_some_and(|(_, old)| old.is(&job)) {
+            return;
+        }
+        let version = self.mailbox.post(job.clone());
+        self.waiting.push((version, Instant::now()));
+        self.posted = Some((version, job));
+    }
+
+    fn reload(&mut self, context: &egui::Context) {
+        context.request_repaint_after(self.watch.interval());
+        if self.watch.has_changed() {
+            let path = self.options.path.clone();
+            self.open(&path);
+            // Shaders are linked anew for a scene that is another one.
+            self.file = Arc::new(Scene::clone(&self.file));
+            self.switch_lights();
+        }
+    }
+
+    fn take_dropped(&mut self, context: &egui::Context) {
+        let dropped: Vec<PathBuf> = context.input(|input| {
+            let files = input.raw.dropped_files.iter();
+            files.map(|file| file.path().to_path_buf()).collect()
+        });
+        if let Some(path) = dropped.last() {
+            self.open(path);
+        }
+    }
+
+    fn retitle(&mut self, context: &egui::Context) {
+        let name = self.options.path.file_name().unwrap_or_default();
+        let samples = self.news.pictures[0].as_ref().map_or(0, |p| p.samples);
+        let title = format!("{} — {samples} samples — direkt", name.to_string_lossy());
+        if title != self.title {
+            self.title.clone_from(&title);
+            context.send_viewport_cmd(egui::ViewportCommand::Title(title));
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let context = ui.ctx().clone();
+        self.take_news(&context);
+        self.reload(&context);
+        self.take_dropped(&context);
+        canvas::shortcuts(self, &context);
+        if self.panel {
+            egui::Panel::right("controls")
+                .exact_size(panels::WIDTH)
+                .show(ui, |ui| panels::show(self, ui));
+        }
+        egui::CentralPanel::no_frame().show(ui, |ui| canvas::show(self, ui));
+        self.post(&context);
+        self.retitle(&context);
+    }
+
+    fn on_exit(&mut self) {
+        self.mailbox.quit();
+        if let Some(renderer) = self.renderer.take() {
+            // A renderer that panicked has said so itself.
+            let _ = renderer.join();
+        }
+    }
+}
+
+/// Name under which an image is saved unless another is given.
+fn saved_name(scene: &Path) -> String {
+    let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
+    format!("{stem}.exr")
+}

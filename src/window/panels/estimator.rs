@@ -1,0 +1,55 @@
+//! How light is found.
+
+use super::{choice, compare};
+use crate::scene::settings::MAX_SPECULAR_DEPTH;
+use crate::scene::shadow_rays::MAX_SHADOW_RAYS;
+use crate::scene::{LightSampling, LightSelection, Sampler, ShadowPattern, Strategy};
+use crate::window::app::App;
+use eframe::egui::{DragValue, Ui};
+
+/// Shows the controls of the view that is edited.
+pub fn show(app: &mut App, ui: &mut Ui) {
+    let mut compared = app.methods.len() > 1;
+    ui.horizontal(|ui| {
+        let toggled = ui.checkbox(&mut compared, "compare two methods");
+        if toggled.on_hover_text("C").changed() {
+            compare(app, compared);
+        }
+        if app.methods.len() > 1 {
+            ui.selectable_value(&mut app.edited, 0, "A");
+            ui.selectable_value(&mut app.edited, 1, "B");
+        }
+    });
+    let index = app.edited.min(app.methods.len() - 1);
+    let settings = &mut app.methods[index].settings;
+    choice::<Strategy>(ui, "strategy", &mut settings.strategy);
+    choice::<LightSelection>(ui, "light selection", &mut settings.light_selection);
+    if settings.strategy.is_mis() {
+        choice::<LightSampling>(ui, "light sampling", &mut settings.light_sampling);
+        ui.checkbox(
+            &mut settings.mis_compensation,
+            "MIS compensation of the environment",
+        );
+    }
+    choice::<Sampler>(ui, "sampler", &mut settings.sampler);
+    ui.horizontal(|ui| {
+        let rays = DragValue::new(&mut settings.shadow_rays);
+        ui.add(rays.range(1..=MAX_SHADOW_RAYS).suffix(" shadow rays"));
+        let depth = DragValue::new(&mut settings.max_specular_depth);
+        ui.add(
+            depth
+                .range(0..=MAX_SPECULAR_DEPTH)
+                .prefix("specular depth "),
+        );
+    });
+    if settings.shadow_rays > 1 || settings.shadow_pattern != ShadowPattern::default() {
+        choice::<ShadowPattern>(ui, "shadow pattern", &mut settings.shadow_pattern);
+    }
+    ui.checkbox(
+        &mut settings.energy_compensation,
+        "energy compensation of rough metals",
+    );
+    ui.horizontal(|ui| {
+        ui.add(DragValue::new(&mut settings.seed).prefix("seed "));
+    });
+}

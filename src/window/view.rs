@@ -1,0 +1,303 @@
+//! One view at work: a scene, a method, and the session that renders it.
+
+use super::job::{Job, Method};
+use super::picture::{Inspected, InspectedSurface, Picture, colours};
+use crate::effects::Effect;
+use crate::error::{Error, GpuError};
+use crate::gpu::{Context, Kernels};
+use crate::reference::kernel::camera::camera_ray;
+use crate::reference::scene::fetch::World;
+use crate::reference::scene::opacity::Crossings;
+use crate::reference::scene::trace::closest_hit;
+use crate::render::{Checkpoint, Film, ImageError, Prepared, RayCounts, Session, StopReason};
+use crate::scene::normalize::bounds;
+use crate::scene::{Camera, FilmSize, Scene, validate};
+use glam::DVec2;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// How long a dispatch should take: the renderer looks for a newer job between two.
+const DISPATCH: Duration = Duration::from_millis(25);
+/// Seconds that a pass should take while the camera moves.
+const MOVING_PASS: f64 = 0.04;
+/// Largest factor by which the image is smaller then, along each side.
+const MAX_REDUCTION: f64 = 16.0;
+/// Part of the time that pictures and errors may take, in the first second and after it: one wants to see soon what comes
+/// about, and later to get on.
+const FIRST_SHARE: f64 = 0.25;
+const SHARE: f64 = 0.05;
+/// Samples without which an error is not asked for.
+const FEWEST_SAMPLES: u64 = 4;
+
+/// A view at work.
+pub struct View<'a> {
+    scene: Arc<Scene>,
+    method: Arc<Method>,
+    camera: Camera,
+    asked: FilmSize,
+    moving: bool,
+    prepared: Prepared,
+    session: Session<'a>,
+    effects: Arc<Vec<(Effect, String)>>,
+    run: u64,
+    seconds: f64,
+    pass_seconds: f64,
+    /// Seconds that a sample of one pixel takes, as far as is known.
+    sample_seconds: f64,
+    /// Seconds spent on pictures and errors in this run.
+    shown_seconds: f64,
+    /// Seconds that a look at the error took, the last one.
+    error_seconds: f64,
+    shown_samples: u64,
+    error: Option<ImageError>,
+    curve: Vec<[f64; 2]>,
+}
+
+/// What another device needs to go on with a view.
+pub struct Rescued {
+    scene: Arc<Scene>,
+    method: Arc<Method>,
+    checkpoint: Checkpoint,
+    film: FilmSize,
+    run: u64,
+    seconds: f64,
+    curve: Vec<[f64; 2]>,
+}
+
+impl<'a> View<'a> {
+    /// Prepares the view of `method` and compiles its kernel, unless `kernels` have it.
+    pub fn new(
+        context: &'a Context,
+        kernels: &mut Kernels,
+        job: &Job,
+        method: &Method,
+        run: u64,
+    ) -> Result<Self, Error> {
+        let scene = job.scene_of(method);
+        validate::validate(&scene)?;
+        let settings = method.settings;
+        let mut prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+        for &effect in &method.forced {
+            prepared.effects.force(effect);
+        }
+        let effects = prepared.effects.iter();
+        let effects = effects.map(|(effect, reason)| (effect, reason.to_owned()));
+        let effects = Arc::new(effects.collect());
+        let mut session =
+            Session::with_kernels(context, &prepared, job.film, settings.seed, kernels)?;
+        session.set_dispatch_time(DISPATCH);
+        let mut view = Self {
+            scene: Arc::clone(&job.scene),
+            method: Arc::new(method.clone()),
+            camera: job.camera,
+            asked: job.film,
+            moving: false,
+            prepared,
+            session,
+            effects,
+            run,
+            seconds: 0.0,
+            pass_seconds: 0.0,
+            sample_seconds: 0.0,
+            shown_seconds: 0.0,
+            error_seconds: 0.0,
+            shown_samples: 0,
+            error: None,
+            curve: Vec::new(),
+        };
+        if job.moving {
+            view.reframe(job)?;
+        }
+        Ok(view)
+    }
+
+    /// Whether it can do `job` by `method` as it is, but for where the camera stands and how large the image is.
+    pub fn fits(&self, job: &Job, method: &Method) -> bool {
+        let kind = |c: &Camera| (c.is_orthographic(), c.lens.radius > 0.0);
+        Arc::ptr_eq(&self.scene, &job.scene)
+            && *self.method == *method
+            && kind(&self.camera) == kind(&job.camera)
+    }
+
+    /// Whether nothing is different in `job`.
+    pub fn is_of(&self, job: &Job) -> bool {
+        self.camera == job.camera && self.asked == job.film && self.moving == job.moving
+    }
+
+    /// Begins the run `run` with the camera and the size of `job`.
+    pub fn begin(&mut self, job: &Job, run: u64) -> Result<(), GpuError> {
+        self.run = run;
+        self.reframe(job)
+    }
+
+    fn reframe(&mut self, job: &Job) -> Result<(), GpuError> {
+        (self.camera, self.asked, self.moving) = (job.camera, job.film, job.moving);
+        let film = if job.moving {
+            self.reduced(job.film)
+        } else {
+            job.film
+        };
+        self.prepared.scene.camera = job.camera;
+        self.prepared.scene.film = film;
+        self.session.reframe(&self.prepared, film)?;
+        (self.seconds, self.shown_seconds, self.shown_samples) = (0.0, 0.0, 0);
+        self.error = None;
+        self.curve.clear();
+        Ok(())
+    }
+
+    /// `film`, or a smaller one of which a pass is over soon.
+    fn reduced(&self, film: FilmSize) -> FilmSize {
+        let pass = self.sample_seconds * film.pixels() as f64;
+        let factor = (pass / MOVING_PASS).sqrt().ceil().clamp(1.0, MAX_REDUCTION);
+        let side = |length: u32| ((f64::from(length) / factor).ceil() as u32).max(1);
+        FilmSize {
+            width: side(film.width),
+            height: side(film.height),
+        }
+    }
+
+    /// Goes on from where another device was lost.
+    pub fn resume(&mut self, rescued: &Rescued) -> Result<(), GpuError> {
+        let same = Arc::ptr_eq(&self.scene, &rescued.scene)
+            && *self.method == *rescued.method
+            && self.prepared.scene.film == rescued.film;
+        if same {
+            self.session.resume(rescued.checkpoint.clone())?;
+            (self.run, self.seconds) = (rescued.run, rescued.seconds);
+            self.curve.clone_from(&rescued.curve);
+        }
+        Ok(())
+    }
+
+    /// What another device needs to go on.
+    pub fn rescue(self) -> Rescued {
+        Rescued {
+            scene: self.scene,
+            method: self.method,
+            film: self.prepared.scene.film,
+            checkpoint: self.session.into_checkpoint(),
+            run: self.run,
+            seconds: self.seconds,
+            curve: self.curve,
+        }
+    }
+
+    /// Samples that every pixel has.
+    pub fn samples(&self) -> u64 {
+        self.session.samples()
+    }
+
+    /// Seconds of rendering in this run.
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// Takes every pixel a little further, unless `stop` says otherwise.
+    pub fn pass(&mut self, stop: impl FnMut() -> bool) -> Result<StopReason, GpuError> {
+        let start = Instant::now();
+        let before = self.samples();
+        let samples = self.session.pass_samples(u64::MAX);
+        let reason = self.session.pass(samples, stop)?;
+        let seconds = start.elapsed().as_secs_f64();
+        self.seconds += seconds;
+        let taken = self.samples() - before;
+        if taken > 0 {
+            self.pass_seconds = seconds / taken as f64;
+            self.sample_seconds = self.pass_seconds / self.prepared.scene.film.pixels() as f64;
+        }
+        Ok(reason)
+    }
+
+    /// Whether it is time for a picture.
+    pub fn is_due(&self) -> bool {
+        if self.shown_samples == 0 {
+            return self.samples() > 0;
+        }
+        let allowed = FIRST_SHARE * self.seconds.min(1.0) + SHARE * (self.seconds - 1.0).max(0.0);
+        self.samples() > self.shown_samples && self.shown_seconds <= allowed
+    }
+
+    /// The image so far, with the rays traced for it.
+    pub fn snapshot(&self) -> Result<(Film, RayCounts), GpuError> {
+        self.session.snapshot()
+    }
+
+    /// A picture of `film` beside that of the `other` view.
+    pub fn picture(
+        &mut self,
+        (film, rays): (Film, RayCounts),
+        other: Option<&Film>,
+        job: &Job,
+        version: u64,
+    ) -> Picture {
+        if self.error_is_due() {
+            let start = Instant::now();
+            self.error = film.error();
+            self.error_seconds = start.elapsed().as_secs_f64();
+            if let Some(error) = self.error {
+                self.curve.push([self.seconds, error.rel_mse.sqrt()]);
+            }
+        }
+        Picture {
+            version,
+            run: self.run,
+            method: Arc::clone(&self.method),
+            colours: Arc::new(colours(&film, other, job.layer, &job.display)),
+            full: !self.moving,
+            samples: self.samples(),
+            seconds: self.seconds,
+            pass_seconds: self.pass_seconds,
+            compile_seconds: self.session.compile_seconds,
+            rays,
+            error: self.error,
+            curve: Arc::new(self.curve.clone()),
+            effects: Arc::clone(&self.effects),
+            bias: self.prepared.bias(),
+            film: Arc::new(film),
+        }
+    }
+
+    /// Notes that a picture took `seconds`.
+    pub fn shown(&mut self, seconds: f64) {
+        self.shown_seconds += seconds;
+        self.shown_samples = self.samples();
+    }
+
+    /// Whether it is time to look at the error: both replicates have the same number of samples, which has grown by a
+    /// quarter, and the last look took little of the time since.
+    fn error_is_due(&self) -> bool {
+        let samples = self.samples();
+        let last = self.curve.last().map_or(0.0, |point| point[0]);
+        !self.moving
+            && samples >= FEWEST_SAMPLES
+            && samples.is_multiple_of(2)
+            && self.seconds >= 1.25 * last
+            && self.error_seconds <= SHARE * (self.seconds - last).max(self.seconds * 0.2)
+    }
+
+    /// What lies under the point `at` of the image.
+    pub fn inspect(&self, at: [f64; 2]) -> Inspected {
+        let world = World::new(&self.prepared);
+        let size = self.prepared.scene.film;
+        let film = DVec2::from_array(at) * DVec2::new(size.width.into(), size.height.into());
+        // The middle of the square that is mapped to the lens is its middle.
+        let ray = camera_ray(&world, size, film, DVec2::splat(0.5));
+        let hit = closest_hit(&world, &ray, Crossings::OPAQUE);
+        let surface = hit.map(|hit| {
+            let point = ray.origin + hit.t * ray.direction;
+            let position = self.prepared.normalization.point_in_world(point);
+            let primitive = &self.prepared.primitives[hit.primitive as usize];
+            let scene = &self.prepared.scene;
+            let shape = &scene.shapes[primitive.shape.index()];
+            InspectedSurface {
+                shape: shape.name.clone(),
+                material: scene.materials[primitive.material.index()].name.clone(),
+                position,
+                depth: (position - self.camera.eye).dot(self.camera.forward),
+                bounds: bounds([shape]).unwrap_or((position, position)),
+            }
+        });
+        Inspected { at, surface }
+    }
+}
