@@ -97,6 +97,15 @@ impl Preview {
         image::imageops::crop_imm(&screen, 0, 0, SIZE.0, SIZE.1).to_image()
     }
 
+    /// Waits until there are no more samples.
+    fn wait_for_standstill(&self) {
+        wait("a standstill", || {
+            let before = self.samples();
+            pause(1000);
+            Some(()).filter(|()| before == self.samples())
+        });
+    }
+
     /// Waits until the image `is` what is looked for.
     fn wait_for_image(&self, what: &str, is: impl Fn(&RgbImage) -> bool) {
         wait(what, || Some(()).filter(|()| is(&self.image())));
@@ -155,7 +164,7 @@ fn what_is_saved_is_what_render_gives() {
     preview.display.drag(1, (120, 90), (150, 100));
     preview.wait_for_samples(64);
     preview.display.key(u32::from(' '));
-    pause(500);
+    preview.wait_for_standstill();
     preview.save("cornell.exr");
     preview.save("cornell_view.toml");
     let output = Command::new(env!("CARGO_BIN_EXE_direkt"))

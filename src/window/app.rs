@@ -5,6 +5,7 @@ use super::job::{Job, Layer, MAX_VIEWS, Method, Turns};
 use super::lights::Lights;
 use super::mailbox::{Mailbox, News};
 use super::navigation::Rig;
+use super::picture::Inspected;
 use super::watch::Watch;
 use super::{Options, canvas, panels, renderer, save};
 use crate::error::Error;
@@ -64,6 +65,8 @@ pub struct App {
     /// Whether what is asked about becomes sharp.
     pub(super) focusing: bool,
     pub(super) news: News,
+    /// Pictures of the densities where was clicked, and whose they are.
+    pub(super) densities: Option<(Arc<Inspected>, Vec<[egui::TextureHandle; 2]>)>,
     pub(super) textures: [Option<egui::TextureHandle>; MAX_VIEWS],
     pub(super) runs: Runs,
     pub(super) screen: Screen,
@@ -72,6 +75,7 @@ pub struct App {
     pub(super) panel: bool,
     pub(super) note: Option<Note>,
     pub(super) saving: String,
+    context: egui::Context,
     watch: Watch,
     moved: Option<Instant>,
     posted: Option<(u64, Job)>,
@@ -83,8 +87,7 @@ pub struct App {
 impl App {
     /// A window on `scene`.
     pub fn new(creation: &eframe::CreationContext<'_>, scene: Scene, options: Options) -> Self {
-        let context = creation.egui_ctx.clone();
-        let mailbox = Arc::new(Mailbox::new(move || context.request_repaint()));
+        let mailbox = Arc::new(Mailbox::new(waker(&creation.egui_ctx)));
         let started = renderer::start(Arc::clone(&mailbox), options.adapter.clone());
         let note = started.as_ref().err();
         let note = note.map(|e| Note::Problem(format!("no thread can be started: {e}")));
@@ -96,7 +99,8 @@ impl App {
         };
         let scene = Arc::new(scene);
         Self {
-            watch: Watch::new(&options.path),
+            watch: Watch::new(&options.path, waker(&creation.egui_ctx)),
+            context: creation.egui_ctx.clone(),
             saving: saved_name(&options.path),
             options,
             mailbox,
@@ -116,6 +120,7 @@ impl App {
             inspected: None,
             focusing: false,
             news: News::default(),
+            densities: None,
             textures: Default::default(),
             runs: Runs::default(),
             screen: Screen::Split,
@@ -216,7 +221,7 @@ impl App {
         if another {
             self.options.path = path.to_path_buf();
             self.saving = saved_name(path);
-            self.watch = Watch::new(path);
+            self.watch = Watch::new(path, waker(&self.context));
             self.screen = Screen::Split;
             self.edited = 0;
         }
@@ -383,8 +388,7 @@ impl App {
         self.posted = Some((version, job));
     }
 
-    fn reload(&mut self, context: &egui::Context) {
-        context.request_repaint_after(self.watch.interval());
+    fn reload(&mut self) {
         if self.watch.has_changed() {
             let path = self.options.path.clone();
             self.open(&path);
@@ -419,7 +423,7 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let context = ui.ctx().clone();
         self.take_news(&context);
-        self.reload(&context);
+        self.reload();
         self.take_dropped(&context);
         canvas::shortcuts(self, &context);
         if self.panel {
@@ -439,6 +443,12 @@ impl eframe::App for App {
             let _ = renderer.join();
         }
     }
+}
+
+/// What another thread calls when there is something new to show.
+fn waker(context: &egui::Context) -> impl Fn() + Send + Sync + 'static {
+    let context = context.clone();
+    move || context.request_repaint()
 }
 
 /// Name under which an image is saved unless another is given.

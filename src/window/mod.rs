@@ -1,14 +1,15 @@
 //! The window: a scene, the estimator that renders it, and its error while it falls.
 //!
-//! Two threads share a [`mailbox`]. The window's own draws controls and pictures, and posts a [`job`] whenever something
+//! Two threads share a mailbox. The window's own draws controls and pictures, and posts a job whenever something
 //! changes: camera, size, method, lights. The renderer's works off the newest job, on a device of its own, and posts
-//! [pictures](picture). So the window answers while a kernel is compiled or a long dispatch runs, and losing one device
+//! pictures. So the window answers while a kernel is compiled or a long dispatch runs, and losing one device
 //! does not lose the other. A pixel's state stays on the renderer's device; what is copied is a picture now and then, as often
-//! as takes a twentieth of the time.
+//! as takes a fiftieth of the time.
 
 mod app;
 mod canvas;
 mod curve;
+mod density;
 mod job;
 mod lights;
 mod mailbox;

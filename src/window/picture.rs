@@ -1,5 +1,6 @@
 //! From a film to the colours of a screen.
 
+use super::density::Density;
 use super::job::{Layer, Method};
 use crate::effects::Effect;
 use crate::image::heat::heat;
@@ -72,6 +73,8 @@ pub struct InspectedSurface {
     pub depth: f64,
     /// The box around the shape.
     pub bounds: (DVec3, DVec3),
+    /// How directions are chosen there.
+    pub densities: Vec<Density>,
 }
 
 /// The colours of `film`. A difference needs the `other` film, of the same size; without it radiance is shown.

@@ -1,5 +1,6 @@
 //! One view at work: a scene, a method, and the session that renders it.
 
+use super::density::densities;
 use super::job::{Job, Method};
 use super::picture::{Inspected, InspectedSurface, Picture, colours};
 use crate::effects::Effect;
@@ -8,6 +9,7 @@ use crate::gpu::{Context, Kernels};
 use crate::reference::kernel::camera::camera_ray;
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::Crossings;
+use crate::reference::scene::surface::surface_at;
 use crate::reference::scene::trace::closest_hit;
 use crate::render::{Checkpoint, Film, ImageError, Prepared, RayCounts, Session, StopReason};
 use crate::scene::normalize::bounds;
@@ -16,8 +18,12 @@ use glam::DVec2;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How long a dispatch should take: the renderer looks for a newer job between two.
-const DISPATCH: Duration = Duration::from_millis(25);
+/// How long a dispatch should take, in the first second and after it: the renderer looks for a newer job between two, and
+/// short ones cost some speed.
+const FIRST_DISPATCH: Duration = Duration::from_millis(25);
+const DISPATCH: Duration = Duration::from_millis(50);
+/// Samples of a pass at most.
+const MAX_PASS_SAMPLES: u64 = 16;
 /// Seconds that a pass should take while the camera moves.
 const MOVING_PASS: f64 = 0.04;
 /// Largest factor by which the image is smaller then, along each side.
@@ -25,7 +31,9 @@ const MAX_REDUCTION: f64 = 16.0;
 /// Part of the time that pictures and errors may take, in the first second and after it: one wants to see soon what comes
 /// about, and later to get on.
 const FIRST_SHARE: f64 = 0.25;
-const SHARE: f64 = 0.05;
+const SHARE: f64 = 0.02;
+/// Factor by which the samples have grown at least when a picture follows another.
+const GROWTH: f64 = 1.03;
 /// Samples without which an error is not asked for.
 const FEWEST_SAMPLES: u64 = 4;
 
@@ -58,6 +66,7 @@ pub struct Rescued {
     scene: Arc<Scene>,
     method: Arc<Method>,
     checkpoint: Checkpoint,
+    camera: Camera,
     film: FilmSize,
     run: u64,
     seconds: f64,
@@ -85,7 +94,7 @@ impl<'a> View<'a> {
         let effects = Arc::new(effects.collect());
         let mut session =
             Session::with_kernels(context, &prepared, job.film, settings.seed, kernels)?;
-        session.set_dispatch_time(DISPATCH);
+        session.set_dispatch_time(FIRST_DISPATCH);
         let mut view = Self {
             scene: Arc::clone(&job.scene),
             method: Arc::new(method.clone()),
@@ -140,6 +149,7 @@ impl<'a> View<'a> {
         self.prepared.scene.camera = job.camera;
         self.prepared.scene.film = film;
         self.session.reframe(&self.prepared, film)?;
+        self.session.set_dispatch_time(FIRST_DISPATCH);
         (self.seconds, self.shown_seconds, self.shown_samples) = (0.0, 0.0, 0);
         self.error = None;
         self.curve.clear();
@@ -161,6 +171,7 @@ impl<'a> View<'a> {
     pub fn resume(&mut self, rescued: &Rescued) -> Result<(), GpuError> {
         let same = Arc::ptr_eq(&self.scene, &rescued.scene)
             && *self.method == *rescued.method
+            && self.camera == rescued.camera
             && self.prepared.scene.film == rescued.film;
         if same {
             self.session.resume(rescued.checkpoint.clone())?;
@@ -175,6 +186,7 @@ impl<'a> View<'a> {
         Rescued {
             scene: self.scene,
             method: self.method,
+            camera: self.camera,
             film: self.prepared.scene.film,
             checkpoint: self.session.into_checkpoint(),
             run: self.run,
@@ -197,10 +209,12 @@ impl<'a> View<'a> {
     pub fn pass(&mut self, stop: impl FnMut() -> bool) -> Result<StopReason, GpuError> {
         let start = Instant::now();
         let before = self.samples();
-        let samples = self.session.pass_samples(u64::MAX);
-        let reason = self.session.pass(samples, stop)?;
+        let reason = self.session.pass(self.pass_samples(), stop)?;
         let seconds = start.elapsed().as_secs_f64();
         self.seconds += seconds;
+        if self.seconds > 1.0 {
+            self.session.set_dispatch_time(DISPATCH);
+        }
         let taken = self.samples() - before;
         if taken > 0 {
             self.pass_seconds = seconds / taken as f64;
@@ -209,13 +223,23 @@ impl<'a> View<'a> {
         Ok(reason)
     }
 
+    /// Samples of the next pass: an eighth of those that there are. A pass over few samples costs some speed, as every pixel's
+    /// state is read and written for it, and one over many would let the first picture wait.
+    fn pass_samples(&self) -> u64 {
+        match self.samples() / 8 {
+            0 => 1,
+            eighth => (eighth.min(MAX_PASS_SAMPLES)).next_multiple_of(2),
+        }
+    }
+
     /// Whether it is time for a picture.
     pub fn is_due(&self) -> bool {
         if self.shown_samples == 0 {
             return self.samples() > 0;
         }
         let allowed = FIRST_SHARE * self.seconds.min(1.0) + SHARE * (self.seconds - 1.0).max(0.0);
-        self.samples() > self.shown_samples && self.shown_seconds <= allowed
+        let grown = self.samples() as f64 >= GROWTH * self.shown_samples as f64;
+        grown && self.samples() > self.shown_samples && self.shown_seconds <= allowed
     }
 
     /// The image so far, with the rays traced for it.
@@ -290,12 +314,14 @@ impl<'a> View<'a> {
             let primitive = &self.prepared.primitives[hit.primitive as usize];
             let scene = &self.prepared.scene;
             let shape = &scene.shapes[primitive.shape.index()];
+            let surface = surface_at(&world, &ray, &hit, -ray.direction);
             InspectedSurface {
                 shape: shape.name.clone(),
                 material: scene.materials[primitive.material.index()].name.clone(),
                 position,
                 depth: (position - self.camera.eye).dot(self.camera.forward),
                 bounds: bounds([shape]).unwrap_or((position, position)),
+                densities: densities(&world, &surface),
             }
         });
         Inspected { at, surface }

@@ -2,21 +2,54 @@
 
 use crate::gpu::shader::SHADERS_VARIABLE;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, SystemTime};
 
 /// How often files are looked at.
 const INTERVAL: Duration = Duration::from_millis(300);
 
-/// Looks at a scene file, and at shaders that are read from a folder.
+/// Looks at a scene file, and at shaders that are read from a folder, for as long as it lives.
 #[derive(Debug)]
 pub struct Watch {
+    changed: Arc<AtomicBool>,
+}
+
+impl Watch {
+    /// Looks at `scene` from now on, and calls `wake` when something has changed.
+    pub fn new(scene: &Path, wake: impl Fn() + Send + 'static) -> Self {
+        let changed = Arc::new(AtomicBool::new(false));
+        let still_asked_for = Arc::downgrade(&changed);
+        let mut files = Files::new(scene);
+        std::thread::spawn(move || {
+            loop {
+                std::thread::sleep(INTERVAL);
+                let Some(changed) = still_asked_for.upgrade() else {
+                    return;
+                };
+                if files.have_changed() {
+                    changed.store(true, Ordering::Release);
+                    wake();
+                }
+            }
+        });
+        Self { changed }
+    }
+
+    /// Whether something has changed since it was last asked.
+    pub fn has_changed(&self) -> bool {
+        self.changed.swap(false, Ordering::AcqRel)
+    }
+}
+
+/// The files, and what they were like.
+#[derive(Debug)]
+struct Files {
     scene: PathBuf,
     shaders: Option<PathBuf>,
     known: State,
-    looked: Instant,
 }
 
-/// What the files were like.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 struct State {
     scene: Option<SystemTime>,
@@ -24,25 +57,18 @@ struct State {
     shaders: (Option<SystemTime>, usize),
 }
 
-impl Watch {
-    /// Looks at `scene` from now on.
-    pub fn new(scene: &Path) -> Self {
-        let mut watch = Self {
+impl Files {
+    fn new(scene: &Path) -> Self {
+        let mut files = Self {
             scene: scene.to_path_buf(),
             shaders: std::env::var_os(SHADERS_VARIABLE).map(PathBuf::from),
             known: State::default(),
-            looked: Instant::now(),
         };
-        watch.known = watch.look();
-        watch
+        files.known = files.look();
+        files
     }
 
-    /// Whether something has changed since it was last asked; looks at the files now and then.
-    pub fn has_changed(&mut self) -> bool {
-        if self.looked.elapsed() < INTERVAL {
-            return false;
-        }
-        self.looked = Instant::now();
+    fn have_changed(&mut self) -> bool {
         let state = self.look();
         // An editor may have taken the file away to write a new one.
         let changed = state.scene.is_some() && state != self.known;
@@ -50,11 +76,6 @@ impl Watch {
             self.known = state;
         }
         changed
-    }
-
-    /// How long until it looks again.
-    pub fn interval(&self) -> Duration {
-        INTERVAL
     }
 
     fn look(&self) -> State {
@@ -74,18 +95,16 @@ fn modified(path: &Path) -> Option<SystemTime> {
 }
 
 /// Enters all files below `folder`.
-fn newest(folder: &Path, (time, count): &mut (Option<SystemTime>, usize)) {
+fn newest(folder: &Path, found: &mut (Option<SystemTime>, usize)) {
     let Ok(entries) = folder.read_dir() else {
         return;
     };
     for path in entries.flatten().map(|entry| entry.path()) {
         if path.is_dir() {
-            let mut below = (*time, *count);
-            newest(&path, &mut below);
-            (*time, *count) = below;
+            newest(&path, found);
         } else {
-            *time = (*time).max(modified(&path));
-            *count += 1;
+            found.0 = found.0.max(modified(&path));
+            found.1 += 1;
         }
     }
 }
@@ -99,18 +118,14 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("scene.toml");
         std::fs::write(&path, "a").expect("written");
-        let mut watch = Watch::new(&path);
-        let look = |watch: &mut Watch| {
-            watch.looked -= INTERVAL;
-            watch.has_changed()
-        };
-        assert!(!look(&mut watch));
+        let mut files = Files::new(&path);
+        assert!(!files.have_changed());
         let later = SystemTime::now() + Duration::from_secs(5);
         let file = std::fs::File::options().write(true).open(&path);
         file.and_then(|f| f.set_modified(later)).expect("a time");
-        assert!(look(&mut watch));
-        assert!(!look(&mut watch));
+        assert!(files.have_changed());
+        assert!(!files.have_changed());
         std::fs::remove_file(&path).expect("removed");
-        assert!(!look(&mut watch));
+        assert!(!files.have_changed());
     }
 }

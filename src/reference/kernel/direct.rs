@@ -314,7 +314,7 @@ impl<'a> Direct<'a> {
 }
 
 /// How directions are chosen where that is without regard to the BSDF.
-fn hemisphere(prepared: &Prepared) -> Option<Hemisphere> {
+pub fn hemisphere(prepared: &Prepared) -> Option<Hemisphere> {
     if prepared.effects.contains(Effect::UniformHemisphere) {
         Some(Hemisphere::Uniform)
     } else if prepared.effects.contains(Effect::CosineHemisphere) {

@@ -2,9 +2,12 @@
 
 use super::row::row;
 use crate::drawing::text::number;
+use crate::image::heat::heat;
 use crate::window::app::App;
-use crate::window::picture::Picture;
-use eframe::egui::Ui;
+use crate::window::density::CELLS;
+use crate::window::picture::{Inspected, Picture};
+use eframe::egui::{Color32, ColorImage, TextureOptions, Ui, Vec2};
+use std::sync::Arc;
 
 /// Shows the pixel that was clicked.
 pub fn show(app: &mut App, ui: &mut Ui) {
@@ -13,12 +16,58 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         return;
     };
     surface(app, ui);
+    densities(app, ui);
     let pictures = app.news.pictures.iter().zip(["A", "B"]);
     for (picture, name) in pictures {
         if let Some(picture) = picture {
             let name = if app.methods.len() > 1 { name } else { "" };
             pixel(ui, picture, at, name);
         }
+    }
+}
+
+/// Shows how directions are chosen there: expected beside observed.
+fn densities(app: &mut App, ui: &mut Ui) {
+    let Some(inspected) = app.news.inspected.clone() else {
+        return;
+    };
+    let Some(surface) = &inspected.surface else {
+        return;
+    };
+    let same = |known: &(Arc<Inspected>, _)| Arc::ptr_eq(&known.0, &inspected);
+    if !app.densities.as_ref().is_some_and(same) {
+        let load = |values: &[f64], most: f64, name: &str| {
+            let colours = values.iter().map(|v| {
+                let [r, g, b] = heat(v / most);
+                Color32::from_rgb(r, g, b)
+            });
+            let image = ColorImage::new(CELLS, colours.collect());
+            ui.ctx().load_texture(name, image, TextureOptions::NEAREST)
+        };
+        let pictures = surface.densities.iter().map(|density| {
+            let most = density.expected.iter().copied().fold(1e-30, f64::max);
+            [&density.expected, &density.observed].map(|values| load(values, most, density.sampler))
+        });
+        let pictures = pictures.collect();
+        app.densities = Some((Arc::clone(&inspected), pictures));
+    }
+    let Some((_, pictures)) = &app.densities else {
+        return;
+    };
+    for (density, pictures) in surface.densities.iter().zip(pictures) {
+        let sampler = density.sampler;
+        ui.weak(format!(
+            "sampling of {sampler}: density, and where samples went"
+        ));
+        ui.horizontal(|ui| {
+            for picture in pictures {
+                let response = ui.image((picture.id(), Vec2::new(155.0, 77.5)));
+                response.on_hover_text(
+                    "Azimuth to the right; above the normal, in the middle the horizon, below what lies under the surface. Bright is dense, two and a half \
+                     decades in all.",
+                );
+            }
+        });
     }
 }
 

@@ -49,7 +49,7 @@ fn choice<T: ValueEnum + PartialEq + Copy>(ui: &mut Ui, label: &str, value: &mut
         possible.map_or_else(String::new, |p| p.get_name().to_owned())
     };
     ui.horizontal(|ui| {
-        ui.add_sized([110.0, 18.0], egui::Label::new(label));
+        row::begin(ui, 105.0, label);
         ComboBox::from_id_salt((label, ui.scope_id()))
             .selected_text(name(value))
             .width(200.0)
