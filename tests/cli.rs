@@ -6,6 +6,7 @@ mod compare;
 mod cost;
 mod explain;
 mod lab;
+mod live;
 mod shadow_rays;
 
 use assert_cmd::Command;

@@ -10,6 +10,7 @@ mod app;
 mod canvas;
 mod curve;
 mod density;
+mod files;
 mod job;
 mod lights;
 mod mailbox;

@@ -11,7 +11,7 @@ pub mod shader;
 pub mod statistics;
 pub mod twin;
 
-use direkt::gpu::Context;
+use direkt::gpu::{Context, Kernels};
 use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
@@ -20,6 +20,7 @@ use direkt::scene::{
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 /// All strategies.
@@ -125,12 +126,22 @@ pub fn prepared(scene: Scene) -> Prepared {
     Prepared::new(scene, settings.strategy, settings.light_selection)
 }
 
+thread_local! {
+    /// The kernels of the device that this test renders on: compiling is most of the time of small renders.
+    static KERNELS: RefCell<Option<(wgpu::Device, Kernels)>> = const { RefCell::new(None) };
+}
+
 /// Renders `scene` with its own settings.
 pub fn render(context: &Context, scene: Scene) -> Film {
     let settings = scene.render;
     let film = scene.film;
     let prepared = prepared(scene);
-    let mut session = Session::new(context, &prepared, film, settings.seed).unwrap();
+    let mut session = KERNELS.with_borrow_mut(|known| {
+        let fresh = || (context.device.clone(), Kernels::default());
+        let of_device = known.take().filter(|(device, _)| *device == context.device);
+        let (_, kernels) = known.insert(of_device.unwrap_or_else(fresh));
+        Session::with_kernels(context, &prepared, film, settings.seed, kernels).unwrap()
+    });
     take(&mut session, settings.spp);
     session.snapshot().unwrap().0
 }
