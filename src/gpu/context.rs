@@ -2,6 +2,7 @@
 
 use crate::error::GpuError;
 use serde::Serialize;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What is known of an adapter.
@@ -41,8 +42,13 @@ pub struct Context {
     pub adapter: AdapterFacts,
     /// The limits that the device was opened with: all that the adapter has.
     pub limits: wgpu::Limits,
+    /// Tells devices apart: wgpu's handles are equal for devices of different instances.
+    pub(super) id: u64,
     troubles: Arc<Mutex<Troubles>>,
 }
+
+/// Devices opened so far.
+static DEVICES: AtomicU64 = AtomicU64::new(0);
 
 /// What went wrong outside any call that could have said so.
 #[derive(Debug, Default)]
@@ -134,6 +140,7 @@ impl Context {
             queue,
             adapter: facts,
             limits,
+            id: DEVICES.fetch_add(1, Ordering::Relaxed),
             troubles,
         })
     }

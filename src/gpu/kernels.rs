@@ -6,9 +6,12 @@ use super::shader::Config;
 use crate::effects::Effects;
 use crate::error::GpuError;
 
-/// Kernels that one device has compiled.
+/// Kernels that one device has compiled: those of the device that was last asked for.
 #[derive(Debug, Default)]
-pub struct Kernels(Vec<SceneKernel>);
+pub struct Kernels {
+    device: u64,
+    known: Vec<SceneKernel>,
+}
 
 impl Kernels {
     /// The kernel of `entry` for `effects`: one that is known, or else compiled now.
@@ -23,11 +26,15 @@ impl Kernels {
         config: Config,
     ) -> Result<SceneKernel, GpuError> {
         let wgsl = SceneKernel::link(entry, effects, config)?;
-        if let Some(known) = self.0.iter().find(|kernel| kernel.wgsl() == wgsl) {
+        if self.device != context.id {
+            self.known.clear();
+            self.device = context.id;
+        }
+        if let Some(known) = self.known.iter().find(|kernel| kernel.wgsl() == wgsl) {
             return Ok(known.clone());
         }
         let kernel = SceneKernel::compile(context, entry, effects, wgsl)?;
-        self.0.push(kernel.clone());
+        self.known.push(kernel.clone());
         Ok(kernel)
     }
 }

@@ -47,6 +47,16 @@ pub enum Light {
     },
 }
 
+impl Light {
+    /// What it is as bright as: its intensity or irradiance.
+    pub fn strength_mut(&mut self) -> &mut DVec3 {
+        match self {
+            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Directional { irradiance, .. } | Self::Sun { irradiance, .. } => irradiance,
+        }
+    }
+}
+
 /// Smallest angular radius of a sun, in radians: f32 still resolves directions within it.
 pub const MIN_SUN: f64 = 0.0005 * PI / 180.0;
 

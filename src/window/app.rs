@@ -2,11 +2,11 @@
 
 use super::curve::Runs;
 use super::files::saved_name;
-use super::job::{Job, Layer, MAX_VIEWS, Method, Turns};
+use super::job::{Job, Layer, MAX_VIEWS, Method, Turns, VIEW_NAMES};
 use super::lights::Lights;
 use super::mailbox::{Mailbox, News};
 use super::navigation::Rig;
-use super::picture::Inspected;
+use super::picture::{Inspected, Picture};
 use super::watch::Watch;
 use super::{Options, canvas, panels, renderer};
 use crate::image::png::Display;
@@ -76,7 +76,7 @@ pub struct App {
     pub(super) context: egui::Context,
     pub(super) watch: Watch,
     moved: Option<Instant>,
-    posted: Option<(u64, Job)>,
+    posted: Option<Job>,
     /// When jobs were posted that have no picture yet.
     waiting: Vec<(u64, Instant)>,
     title: String,
@@ -130,6 +130,21 @@ impl App {
             waiting: Vec::new(),
             title: String::new(),
         }
+    }
+
+    /// The view whose method the controls change: that which was chosen, as long as it is there.
+    pub(super) fn edited_view(&self) -> usize {
+        self.edited.min(self.methods.len() - 1)
+    }
+
+    /// The newest pictures, with the names of their views where there are two.
+    pub(super) fn pictures(&self) -> impl Iterator<Item = (&'static str, &Picture)> {
+        let compared = self.methods.len() > 1;
+        let pictures = self.news.pictures.iter().zip(VIEW_NAMES);
+        pictures.filter_map(move |(picture, name)| {
+            let name = if compared { name } else { "" };
+            Some((name, &**picture.as_ref()?))
+        })
     }
 
     /// The camera as it stands.
@@ -279,12 +294,12 @@ impl App {
             paused: self.paused,
             inspected: self.inspected,
         };
-        if self.posted.as_ref().is_some_and(|(_, old)| old.is(&job)) {
+        if self.posted.as_ref().is_some_and(|old| old.is(&job)) {
             return;
         }
         let version = self.mailbox.post(job.clone());
         self.waiting.push((version, Instant::now()));
-        self.posted = Some((version, job));
+        self.posted = Some(job);
     }
 
     fn retitle(&mut self, context: &egui::Context) {

@@ -1,7 +1,7 @@
 //! The image on screen, and how one moves through it.
 
 use super::app::{App, Screen};
-use super::job::Layer;
+use super::job::{Layer, VIEW_NAMES};
 use eframe::egui::{self, Color32, Key, Modifiers, PointerButton, Pos2, Rect, Sense, Ui, Vec2};
 
 /// Radians that the camera turns by when the pointer crosses the image.
@@ -85,8 +85,7 @@ fn paint(app: &App, ui: &Ui, rect: Rect) {
 fn caption(app: &App, painter: &egui::Painter, index: usize, at: Pos2, align: egui::Align2) {
     let mut text = format!(
         "{}: {}",
-        ["A", "B"][index],
-        app.methods[index].settings.strategy
+        VIEW_NAMES[index], app.methods[index].settings.strategy
     );
     if let Some(picture) = &app.news.pictures[index] {
         text += &format!("\n{} samples, {:.1} s", picture.samples, picture.seconds);

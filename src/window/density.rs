@@ -5,24 +5,24 @@
 
 use crate::effects::Effect;
 use crate::emitters::{Emitter, Selection};
-use crate::reference::bsdf::bsdf::{Hemisphere, eval_bsdf, sample_bsdf, sample_hemisphere};
-use crate::reference::bsdf::lambert::pdf_lambert;
+use crate::reference::bsdf::bsdf::{Hemisphere, eval_bsdf, pdf_hemisphere};
 use crate::reference::core::frame::{to_local, to_world};
 use crate::reference::core::pdf::PdfDiscrete;
 use crate::reference::core::ray::{Hit, Ray};
 use crate::reference::core::rng::{pcg4d, to_unit, to_unit_2d};
-use crate::reference::kernel::direct::hemisphere;
+use crate::reference::kernel::direct::{choose_direction, hemisphere};
 use crate::reference::light::alias_table::Choice;
 use crate::reference::light::area_light::{LightSample, pdf_area_light};
 use crate::reference::light::light::{
     choose_light, emitted_radiance, environment_radiance, pdf_environment, sample_chosen_light,
 };
+use crate::reference::light::sphere::sample_sphere_area;
 use crate::reference::light::sun::{is_in_sun, pdf_sun, suns};
 use crate::reference::light::tree::choose_tree_light;
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::surface::{Surface, surface_at};
 use crate::reference::scene::trace::intersect_primitive;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -60,11 +60,12 @@ pub fn densities(world: &World<'_>, s: &Surface) -> Vec<Density> {
     }
     let lights = world.prepared.emitters.lights.len();
     if effects.contains(Effect::SampleLights) && (1..=MAX_LIGHTS).contains(&lights) {
+        let own = own_turns(world);
         all.push(Density {
             sampler: "lights",
-            expected: expected(|wi| pdf_lights(world, s, to_world(&s.frame, wi))),
+            expected: expected(|wi| pdf_lights(world, &own, s, to_world(&s.frame, wi))),
             observed: observed(|i| {
-                let wi = sample_lights(world, s, i)?;
+                let wi = sample_lights(world, &own, s, i)?;
                 Some(to_local(&s.frame, wi))
             }),
         });
@@ -75,14 +76,6 @@ pub fn densities(world: &World<'_>, s: &Surface) -> Vec<Density> {
 /// Random words of sample `i`.
 fn words(i: u32, group: u32) -> [u32; 4] {
     pcg4d([i, group, 0x5eed, 7])
-}
-
-/// A unit direction of cosine and azimuth in [0, 1].
-fn direction(azimuth: f64, height: f64) -> DVec3 {
-    let cos = 1.0 - 2.0 * height;
-    let sin = (1.0 - cos * cos).max(0.0).sqrt();
-    let (y, x) = (TAU * azimuth).sin_cos();
-    DVec3::new(sin * x, sin * y, cos)
 }
 
 fn cell(wi: DVec3) -> usize {
@@ -102,7 +95,7 @@ fn expected(pdf: impl Fn(DVec3) -> f64 + Sync) -> Vec<f64> {
             let inside = |i: usize| (i as f64 + 0.5) / POINTS as f64;
             let azimuth = (column as f64 + inside(point % POINTS)) / columns as f64;
             let height = (row as f64 + inside(point / POINTS)) / rows as f64;
-            pdf(direction(azimuth, height))
+            pdf(sample_sphere_area(DVec2::new(height, azimuth)))
         });
         points.sum::<f64>() / (POINTS * POINTS) as f64 * solid_angle
     });
@@ -124,37 +117,38 @@ fn observed(sample: impl Fn(u32) -> Option<DVec3> + Sync) -> Vec<f64> {
 
 fn sample_direction(s: &Surface, how: Option<Hemisphere>, i: u32) -> Option<DVec3> {
     let [x, y, lobe, _] = words(i, 1);
-    let u = to_unit_2d(x, y);
-    let sample = match how {
-        Some(how) => sample_hemisphere(&s.material, s.wo, how, u),
-        None => sample_bsdf(&s.material, s.wo, to_unit(lobe), u),
-    };
+    let sample = choose_direction(s, how, to_unit(lobe), to_unit_2d(x, y));
     (sample.pdf.0 > 0.0).then_some(sample.wi)
 }
 
 fn pdf_direction(s: &Surface, how: Option<Hemisphere>, wi: DVec3) -> f64 {
     match how {
         _ if wi.z <= 0.0 => 0.0,
-        Some(Hemisphere::Uniform) => 1.0 / TAU,
-        Some(Hemisphere::Cosine) => pdf_lambert(wi.z).0,
+        Some(how) => pdf_hemisphere(how, wi.z).0,
         None => eval_bsdf(&s.material, wi, s.wo).pdf.0,
     }
 }
 
+/// The lights that have their turns where none is chosen.
+fn own_turns(world: &World<'_>) -> Vec<u32> {
+    match &world.prepared.emitters.selection {
+        Some(Selection::All(sampled)) => {
+            let lights = (0..).zip(sampled).filter(|(_, sampled)| **sampled);
+            lights.map(|(index, _)| index).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
 /// Of all light samples that light comes from, one.
-fn sample_lights(world: &World<'_>, s: &Surface, i: u32) -> Option<DVec3> {
+fn sample_lights(world: &World<'_>, own: &[u32], s: &Surface, i: u32) -> Option<DVec3> {
     let ([choice, x, y, texel], tree) = (words(i, 2), words(i, 3));
     let chosen = match &world.prepared.emitters.selection {
         Some(Selection::Tree(of)) => {
             choose_tree_light(of, choice, tree, s.position, s.frame.z).choice
         }
-        Some(Selection::All(sampled)) => {
-            let sampled: Vec<u32> = (0..)
-                .zip(sampled)
-                .filter(|(_, s)| **s)
-                .map(|(i, _)| i)
-                .collect();
-            let index = *sampled.get(i as usize % sampled.len().max(1))?;
+        Some(Selection::All(_)) => {
+            let index = *own.get(i as usize % own.len().max(1))?;
             let probability = PdfDiscrete(1.0);
             Some(Choice { index, probability })
         }
@@ -172,7 +166,7 @@ fn sample_lights(world: &World<'_>, s: &Surface, i: u32) -> Option<DVec3> {
 }
 
 /// The density of light samples, of all lights that shine from the unit direction `wi`, together.
-fn pdf_lights(world: &World<'_>, s: &Surface, wi: DVec3) -> f64 {
+fn pdf_lights(world: &World<'_>, own: &[u32], s: &Surface, wi: DVec3) -> f64 {
     let place = (s.position, &s.frame);
     let ray = Ray {
         origin: s.position,
@@ -205,7 +199,7 @@ fn pdf_lights(world: &World<'_>, s: &Surface, wi: DVec3) -> f64 {
     let all = lights + suns.map(|(sun, p)| pdf_sun(&sun, p).0).sum::<f64>();
     match &emitters.selection {
         // Each light has its turn.
-        Some(Selection::All(sampled)) => all / sampled.iter().filter(|s| **s).count().max(1) as f64,
+        Some(Selection::All(_)) => all / own.len().max(1) as f64,
         _ => all,
     }
 }
@@ -268,7 +262,7 @@ mod tests {
             let (column, row) = (i % CELLS[0], i / CELLS[0]);
             let azimuth = (column as f64 + 0.5) / CELLS[0] as f64;
             let height = (row as f64 + 0.5) / CELLS[1] as f64;
-            assert_eq!(cell(direction(azimuth, height)), i);
+            assert_eq!(cell(sample_sphere_area(DVec2::new(height, azimuth))), i);
         }
         assert_eq!(cell(DVec3::Z), 0);
     }

@@ -85,7 +85,7 @@ impl App {
     fn shown_view(&self) -> usize {
         match self.screen {
             Screen::One(index) if index < self.methods.len() => index,
-            _ => self.edited.min(self.methods.len() - 1),
+            _ => self.edited_view(),
         }
     }
 

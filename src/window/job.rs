@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 /// Views at most: an image, or two that are compared.
 pub const MAX_VIEWS: usize = 2;
+/// What they are called where there are two.
+pub const VIEW_NAMES: [&str; MAX_VIEWS] = ["A", "B"];
 
 /// How an image is rendered.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,6 @@
 //! Lights, switched and dimmed in the window.
 
 use crate::scene::{EnvironmentRadiance, Light, Scene};
-use glam::DVec3;
 
 /// Which light of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,7 +89,7 @@ impl Lights {
                         emission.radiance *= factor;
                     }
                 }
-                Which::Light(i) => *strength(&mut scene.lights[i]) *= factor,
+                Which::Light(i) => *scene.lights[i].strength_mut() *= factor,
                 Which::Environment => {
                     if let Some(environment) = &mut scene.environment {
                         environment.scale *= factor;
@@ -98,13 +97,6 @@ impl Lights {
                 }
             }
         }
-    }
-}
-
-fn strength(light: &mut Light) -> &mut DVec3 {
-    match light {
-        Light::Point { intensity, .. } | Light::Spot { intensity, .. } => intensity,
-        Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => irradiance,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::support::{STRATEGIES, context, project, render, scene_as_it_is};
 use direkt::render::{Check, Film, Pixel};
-use direkt::scene::{Expect, ExpectedRadiance, Light, Scene};
+use direkt::scene::{Expect, ExpectedRadiance, Scene};
 
 /// Every scene of `scenes/tests/`, by name.
 pub fn test_scenes() -> Vec<(String, Scene)> {
@@ -85,12 +85,7 @@ fn brighten(scene: &mut Scene, factor: f64) {
         emission.radiance *= factor;
     }
     for light in &mut scene.lights {
-        match light {
-            Light::Point { intensity, .. } | Light::Spot { intensity, .. } => *intensity *= factor,
-            Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => {
-                *irradiance *= factor
-            }
-        }
+        *light.strength_mut() *= factor;
     }
     if let Some(environment) = &mut scene.environment {
         environment.scale *= factor;

@@ -128,7 +128,7 @@ pub fn prepared(scene: Scene) -> Prepared {
 
 thread_local! {
     /// The kernels of the device that this test renders on: compiling is most of the time of small renders.
-    static KERNELS: RefCell<Option<(wgpu::Device, Kernels)>> = const { RefCell::new(None) };
+    static KERNELS: RefCell<Kernels> = RefCell::default();
 }
 
 /// Renders `scene` with its own settings.
@@ -136,10 +136,7 @@ pub fn render(context: &Context, scene: Scene) -> Film {
     let settings = scene.render;
     let film = scene.film;
     let prepared = prepared(scene);
-    let mut session = KERNELS.with_borrow_mut(|known| {
-        let fresh = || (context.device.clone(), Kernels::default());
-        let of_device = known.take().filter(|(device, _)| *device == context.device);
-        let (_, kernels) = known.insert(of_device.unwrap_or_else(fresh));
+    let mut session = KERNELS.with_borrow_mut(|kernels| {
         Session::with_kernels(context, &prepared, film, settings.seed, kernels).unwrap()
     });
     take(&mut session, settings.spp);

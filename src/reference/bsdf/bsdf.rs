@@ -120,18 +120,21 @@ pub enum Hemisphere {
     Cosine,
 }
 
+/// Density of [`sample_hemisphere`] at the cosine `cos` > 0.
+pub fn pdf_hemisphere(how: Hemisphere, cos: f64) -> PdfSolidAngle {
+    match how {
+        Hemisphere::Uniform => PdfSolidAngle(1.0 / std::f64::consts::TAU),
+        Hemisphere::Cosine => pdf_lambert(cos),
+    }
+}
+
 /// A direction chosen without regard to the BSDF, with its value.
 pub fn sample_hemisphere(m: &BsdfParameters, wo: DVec3, how: Hemisphere, u: DVec2) -> BsdfSample {
-    let (wi, pdf) = match how {
-        Hemisphere::Uniform => {
-            let pdf = PdfSolidAngle(1.0 / std::f64::consts::TAU);
-            (sample_uniform_hemisphere(u), pdf)
-        }
-        Hemisphere::Cosine => {
-            let wi = sample_lambert(u);
-            (wi, pdf_lambert(wi.z))
-        }
+    let wi = match how {
+        Hemisphere::Uniform => sample_uniform_hemisphere(u),
+        Hemisphere::Cosine => sample_lambert(u),
     };
+    let pdf = pdf_hemisphere(how, wi.z);
     BsdfSample {
         wi,
         weight: eval_bsdf(m, wi, wo).f_cos / pdf.0.max(1e-20),

@@ -1,6 +1,6 @@
 //! Direct lighting by BSDF sampling.
 
-use super::direct::Direct;
+use super::direct::{Direct, choose_direction};
 use super::sample::{BsdfRay, Sample};
 use crate::accel::PrimitiveGeometry;
 use crate::reference::broken::BrokenTwin;
@@ -29,7 +29,7 @@ impl Direct<'_> {
         sample: &mut Sample,
     ) -> DVec3 {
         let u = to_unit_2d(x, y);
-        let chosen = self.choose_direction(s, to_unit(lobe), u);
+        let chosen = choose_direction(s, self.hemisphere, to_unit(lobe), u);
         let ray = Ray {
             origin: s.origin,
             direction: to_world(&s.frame, BrokenTwin::direction(self.broken, chosen.wi)),

@@ -50,7 +50,7 @@ pub struct Direct<'a> {
     pub(super) shadow_rays: ShadowRays,
     pub(super) sample_lights: bool,
     sample_bsdf: bool,
-    hemisphere: Option<Hemisphere>,
+    pub(super) hemisphere: Option<Hemisphere>,
     filter: FilterTable,
     balance: bool,
     pub(super) broken: Option<BrokenTwin>,
@@ -212,14 +212,6 @@ impl<'a> Direct<'a> {
         }
     }
 
-    /// A direction from a surface, without regard to lights.
-    pub(super) fn choose_direction(&self, s: &Surface, lobe: f64, u: DVec2) -> BsdfSample {
-        match self.hemisphere {
-            Some(how) => sample_hemisphere(&s.material, s.wo, how, u),
-            None => sample_bsdf(&s.material, s.wo, lobe, u),
-        }
-    }
-
     /// ∫ L_i f_r cosθ dω by light sampling: the mean of all light samples, or where every light has its own, the sum of
     /// the lights' means.
     fn estimate_by_light(&self, s: &Surface, id: SampleId, sample: &mut Sample) -> DVec3 {
@@ -310,6 +302,14 @@ impl<'a> Direct<'a> {
         sample.path.shadow.clear += 1;
         sample.conditions.add_light(wi.z, light.cos_light);
         contribution
+    }
+}
+
+/// A direction from a surface, without regard to lights: by the BSDF, or as `how` says.
+pub fn choose_direction(s: &Surface, how: Option<Hemisphere>, lobe: f64, u: DVec2) -> BsdfSample {
+    match how {
+        Some(how) => sample_hemisphere(&s.material, s.wo, how, u),
+        None => sample_bsdf(&s.material, s.wo, lobe, u),
     }
 }
 

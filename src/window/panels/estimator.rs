@@ -5,6 +5,7 @@ use crate::scene::settings::MAX_SPECULAR_DEPTH;
 use crate::scene::shadow_rays::MAX_SHADOW_RAYS;
 use crate::scene::{LightSampling, LightSelection, Sampler, ShadowPattern, Strategy};
 use crate::window::app::App;
+use crate::window::job::VIEW_NAMES;
 use eframe::egui::{DragValue, Ui};
 
 /// Shows the controls of the view that is edited.
@@ -16,11 +17,12 @@ pub fn show(app: &mut App, ui: &mut Ui) {
             compare(app, compared);
         }
         if app.methods.len() > 1 {
-            ui.selectable_value(&mut app.edited, 0, "A");
-            ui.selectable_value(&mut app.edited, 1, "B");
+            for (view, name) in VIEW_NAMES.into_iter().enumerate() {
+                ui.selectable_value(&mut app.edited, view, name);
+            }
         }
     });
-    let index = app.edited.min(app.methods.len() - 1);
+    let index = app.edited_view();
     let settings = &mut app.methods[index].settings;
     choice::<Strategy>(ui, "strategy", &mut settings.strategy);
     choice::<LightSelection>(ui, "light selection", &mut settings.light_selection);

@@ -17,12 +17,8 @@ pub fn show(app: &mut App, ui: &mut Ui) {
     };
     surface(app, ui);
     densities(app, ui);
-    let pictures = app.news.pictures.iter().zip(["A", "B"]);
-    for (picture, name) in pictures {
-        if let Some(picture) = picture {
-            let name = if app.methods.len() > 1 { name } else { "" };
-            pixel(ui, picture, at, name);
-        }
+    for (name, picture) in app.pictures() {
+        pixel(ui, picture, at, name);
     }
 }
 

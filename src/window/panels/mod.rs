@@ -9,7 +9,7 @@ mod progress;
 mod row;
 
 use super::app::{App, Screen};
-use super::job::{Layer, Method, Turns};
+use super::job::{Layer, Method, Turns, VIEW_NAMES};
 use crate::image::ToneMapper;
 use crate::scene::{LightSampling, Strategy};
 use clap::ValueEnum;
@@ -94,7 +94,7 @@ pub fn compare(app: &mut App, begin: bool) {
 
 /// Goes `step` strategies on in the view that is edited.
 pub fn next_strategy(app: &mut App, step: isize) {
-    let index = app.edited.min(app.methods.len() - 1);
+    let index = app.edited_view();
     let strategy = &mut app.methods[index].settings.strategy;
     let all = Strategy::value_variants();
     let at = all.iter().position(|s| s == strategy).unwrap_or(0) as isize + step;
@@ -141,8 +141,9 @@ fn view(app: &mut App, ui: &mut Ui) {
         });
         ui.horizontal(|ui| {
             ui.selectable_value(&mut app.screen, Screen::Split, "split");
-            ui.selectable_value(&mut app.screen, Screen::One(0), "A");
-            ui.selectable_value(&mut app.screen, Screen::One(1), "B");
+            for (view, name) in VIEW_NAMES.into_iter().enumerate() {
+                ui.selectable_value(&mut app.screen, Screen::One(view), name);
+            }
         });
     }
     ui.horizontal(|ui| {

@@ -38,13 +38,8 @@ pub fn show(app: &mut App, ui: &mut Ui) {
     if let Some(adapter) = &app.news.adapter {
         ui.weak(format!("{} ({})", adapter.name, adapter.driver));
     }
-    let names = ["A", "B"];
-    let pictures = app.news.pictures.iter().zip(names);
-    let compared = app.methods.len() > 1;
-    for (picture, name) in pictures {
-        if let Some(picture) = picture {
-            facts(ui, picture, if compared { name } else { "" });
-        }
+    for (name, picture) in app.pictures() {
+        facts(ui, picture, name);
     }
 }
 
