@@ -123,7 +123,8 @@ fn structs_have_the_same_members() {
         region_tile,
         target_position,
         fresh,
-        padding,
+        tiles,
+        stride,
     });
     let state = members!(PixelState {
         mean,

@@ -110,8 +110,10 @@ pub struct Dispatch {
     pub target_position: u32,
     /// 1 starts the block afresh; with 0 every pixel goes on from where its state stands.
     pub fresh: u32,
-    /// Unused.
-    pub padding: [u32; 2],
+    /// Tiles of this dispatch.
+    pub tiles: u32,
+    /// How many tiles lie between those of successive workgroups, modulo `tiles` and coprime to it.
+    pub stride: u32,
 }
 
 /// `PixelState` of `shaders/types.wesl`: one pixel's block of at most [`BLOCK_SAMPLES`] samples.

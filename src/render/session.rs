@@ -24,6 +24,11 @@ const MAX_WORKGROUPS: u32 = 65_535;
 /// Dispatches without a finished pixel after which a scene counts as too deep for the driver's loops.
 const MAX_RETRIES: u32 = 4096;
 
+/// Distances between the tiles of successive workgroups on a driver in software, of which the first that is coprime to the
+/// number of tiles is taken. Such a driver hands each of its threads a row of workgroups: with neighbouring tiles some threads would
+/// have the dear part of the image, and the others would wait for them.
+const SOFTWARE_STRIDES: [u32; 3] = [17, 19, 23];
+
 /// Rays traced.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct RayCounts {
@@ -147,7 +152,8 @@ impl<'a> Session<'a> {
             region_tile: region.first_tile,
             target_position: target,
             fresh: u32::from(self.position == 0),
-            ..Dispatch::default()
+            tiles: count,
+            stride: stride(self.context, count),
         };
         let start = Instant::now();
         for _ in 0..MAX_RETRIES {
@@ -220,4 +226,12 @@ impl<'a> Session<'a> {
             self.context.queue.submit([encoder.finish()]);
         })
     }
+}
+
+/// How many tiles lie between those of successive workgroups of a dispatch of `tiles`.
+fn stride(context: &Context, tiles: u32) -> u32 {
+    let strides = SOFTWARE_STRIDES.into_iter();
+    let coprime =
+        strides.filter(|stride| context.adapter.software && !tiles.is_multiple_of(*stride));
+    coprime.min().unwrap_or(1)
 }

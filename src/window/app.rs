@@ -79,6 +79,8 @@ pub struct App {
     posted: Option<Job>,
     /// When jobs were posted that have no picture yet.
     waiting: Vec<(u64, Instant)>,
+    /// Frames drawn, since when.
+    frames: (u32, Instant),
     title: String,
 }
 
@@ -128,6 +130,7 @@ impl App {
             moved: None,
             posted: None,
             waiting: Vec::new(),
+            frames: (0, Instant::now()),
             title: String::new(),
         }
     }
@@ -259,6 +262,19 @@ impl App {
         }
     }
 
+    /// Tells about every second how many frames were drawn.
+    fn count_frame(&mut self) {
+        let (frames, since) = &mut self.frames;
+        *frames += 1;
+        let seconds = since.elapsed().as_secs_f64();
+        if seconds >= 1.0 {
+            if self.options.verbose {
+                eprintln!("direkt: {frames} frames in {seconds:.2} s");
+            }
+            self.frames = (0, Instant::now());
+        }
+    }
+
     /// Makes sharp what was asked about for that.
     fn focus(&mut self) {
         let inspected = self.news.inspected.as_ref();
@@ -328,6 +344,7 @@ impl eframe::App for App {
         egui::CentralPanel::no_frame().show(ui, |ui| canvas::show(self, ui));
         self.post(&context);
         self.retitle(&context);
+        self.count_frame();
     }
 
     fn on_exit(&mut self) {

@@ -20,10 +20,10 @@ use std::time::{Duration, Instant};
 
 /// How long a dispatch should take, in the first second and after it: the renderer looks for a newer job between two, and
 /// short ones cost some speed.
-const FIRST_DISPATCH: Duration = Duration::from_millis(25);
-const DISPATCH: Duration = Duration::from_millis(50);
+const FIRST_DISPATCH: Duration = Duration::from_millis(20);
+const DISPATCH: Duration = Duration::from_millis(40);
 /// Samples of a pass at most.
-const MAX_PASS_SAMPLES: u64 = 16;
+const MAX_PASS_SAMPLES: u64 = 32;
 /// Seconds that a pass should take while the camera moves.
 const MOVING_PASS: f64 = 0.04;
 /// Largest factor by which the image is smaller then, along each side.
@@ -31,7 +31,7 @@ const MAX_REDUCTION: f64 = 16.0;
 /// Part of the time that pictures and errors may take, in the first second and after it: one wants to see soon what comes
 /// about, and later to get on.
 const FIRST_SHARE: f64 = 0.25;
-const SHARE: f64 = 0.02;
+const SHARE: f64 = 0.03;
 /// Factor by which the samples have grown at least when a picture follows another.
 const GROWTH: f64 = 1.03;
 /// Samples without which an error is not asked for.

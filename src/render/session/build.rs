@@ -181,6 +181,7 @@ impl<'a> Session<'a> {
     fn warm_up(&self) -> Result<(), GpuError> {
         let nothing = Dispatch {
             fresh: 1,
+            tiles: 1,
             ..Dispatch::default()
         };
         self.submit(&self.regions[0], &nothing, 1)?;
