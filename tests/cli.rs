@@ -1,5 +1,6 @@
 //! The commands, as a user runs them.
 
+mod adaptive;
 mod aov;
 mod check;
 mod compare;

@@ -120,11 +120,10 @@ fn structs_have_the_same_members() {
     let dispatch = members!(Dispatch {
         block_start,
         first_tile,
-        region_tile,
+        first_row,
         target_position,
         fresh,
-        tiles,
-        stride,
+        padding,
     });
     let state = members!(PixelState {
         mean,

@@ -160,7 +160,16 @@ fn changed(a: &RgbImage, b: &RgbImage) -> f64 {
 
 #[test]
 fn what_is_saved_is_what_render_gives() {
-    let preview = Preview::open("scenes/cornell.toml", &["--seed", "3"]);
+    assert_saved_as_rendered(&["--seed", "3"]);
+}
+
+#[test]
+fn so_it_is_where_sampling_is_adaptive() {
+    assert_saved_as_rendered(&["--seed", "4", "--adaptive"]);
+}
+
+fn assert_saved_as_rendered(flags: &[&str]) {
+    let preview = Preview::open("scenes/cornell.toml", flags);
     preview.display.drag(1, (120, 90), (150, 100));
     preview.wait_for_samples(64);
     preview.display.key(u32::from(' '));
@@ -264,7 +273,7 @@ fn random_input_does_no_harm() {
                 preview.display.button(wheel, false);
             }
             6 => {
-                let keys = b"frxchwasdqe123[] ";
+                let keys = b"frxchwasdqe1234[] ";
                 let key = keys[below(keys.len() as i16) as usize];
                 preview.display.key(u32::from(key));
             }

@@ -202,7 +202,7 @@ impl Rendered {
     ) -> Result<Self, Error> {
         let (film, rays) = session.snapshot()?;
         let start = Instant::now();
-        let samples = film.sample_range().1;
+        let samples = film.mean_samples();
         let aovs = if samples > 0 {
             let image = (film.size, prepared.scene.render.seed);
             render_aovs(session.context(), prepared, image, samples)?

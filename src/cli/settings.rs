@@ -133,6 +133,9 @@ pub struct EstimatorArguments {
     /// How random numbers are made
     #[arg(long, value_enum)]
     sampler: Option<Sampler>,
+    /// Whether pixels take more samples where the error is large and fewer where it is small
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    adaptive: Option<bool>,
 }
 
 impl EstimatorArguments {
@@ -150,6 +153,7 @@ impl EstimatorArguments {
             .unwrap_or(render.energy_compensation);
         render.max_specular_depth = self.max_specular_depth.unwrap_or(render.max_specular_depth);
         render.sampler = self.sampler.unwrap_or(render.sampler);
+        render.adaptive = self.adaptive.unwrap_or(render.adaptive);
         self.image.apply(scene)
     }
 }

@@ -174,6 +174,7 @@ pub fn compare(
         progress(index + 1);
     }
     let mut session = Session::new(context, prepared, film, seed)?;
+    session.set_adaptive(false);
     while session.samples() < samples {
         session.pass(session.pass_samples(samples - session.samples()), || false)?;
     }

@@ -75,6 +75,13 @@ impl<T: Pod> GpuBuffer<T> {
         (self.length * size_of::<T>()) as u64
     }
 
+    /// Records that the elements of `range` become zero; their bytes are a multiple of four.
+    pub fn clear(&self, encoder: &mut wgpu::CommandEncoder, range: std::ops::Range<usize>) {
+        let size = size_of::<T>() as u64;
+        let bytes = range.len() as u64 * size;
+        encoder.clear_buffer(&self.raw, range.start as u64 * size, Some(bytes));
+    }
+
     /// The whole buffer as a binding.
     pub fn binding(&self) -> wgpu::BindingResource<'_> {
         self.raw.as_entire_binding()

@@ -206,8 +206,21 @@ impl Context {
         buffer: &wgpu::Buffer,
         read: impl FnOnce(&[u8]) -> T,
     ) -> Result<T, GpuError> {
+        self.read_first(buffer, buffer.size(), read)
+    }
+
+    /// The same with the first `bytes` of the buffer.
+    ///
+    /// # Errors
+    /// The buffer cannot be mapped.
+    pub fn read_first<T>(
+        &self,
+        buffer: &wgpu::Buffer,
+        bytes: u64,
+        read: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, GpuError> {
         let (sender, receiver) = std::sync::mpsc::channel();
-        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
+        buffer.map_async(wgpu::MapMode::Read, ..bytes, move |result| {
             // The receiver lives until it has received, below.
             let _ = sender.send(result);
         });
@@ -217,7 +230,7 @@ impl Context {
             .map_err(|e| self.driver_error(format!("mapping was dropped: {e}")))?;
         mapped.map_err(|e| self.driver_error(format!("mapping failed: {e}")))?;
         let view = buffer
-            .get_mapped_range(..)
+            .get_mapped_range(..bytes)
             .map_err(|e| self.driver_error(format!("mapping failed: {e}")))?;
         let out = read(&view);
         drop(view);

@@ -43,7 +43,7 @@ pub const DIRECT: Entry<'static> = Entry {
     module: "kernel::direct",
     source: None,
     features: &[],
-    own: &[],
+    own: &[READ],
 };
 
 /// The kernel that writes out single samples, `shaders/kernel/record.wesl`.

@@ -104,16 +104,14 @@ pub struct Dispatch {
     pub block_start: [u32; 2],
     /// First tile of this dispatch, counted over the image.
     pub first_tile: u32,
-    /// First tile of the bound region.
-    pub region_tile: u32,
+    /// First row of this dispatch in the order of the bound region's pixels.
+    pub first_row: u32,
     /// Position in the block up to which every pixel is taken.
     pub target_position: u32,
     /// 1 starts the block afresh; with 0 every pixel goes on from where its state stands.
     pub fresh: u32,
-    /// Tiles of this dispatch.
-    pub tiles: u32,
-    /// How many tiles lie between those of successive workgroups, modulo `tiles` and coprime to it.
-    pub stride: u32,
+    /// Unused.
+    pub padding: [u32; 2],
 }
 
 /// `PixelState` of `shaders/types.wesl`: one pixel's block of at most [`BLOCK_SAMPLES`] samples.

@@ -17,8 +17,12 @@ const RAMP: [[f64; 3]; 7] = [
 /// 8-bit colour of a relative error.
 pub fn heat(error: f64) -> [u8; 3] {
     let (low, high) = HEAT;
-    let part = ((error.max(low) / low).ln() / (high / low).ln()).clamp(0.0, 1.0);
-    let x = part * (RAMP.len() - 1) as f64;
+    ramp((error.max(low) / low).ln() / (high / low).ln())
+}
+
+/// 8-bit colour of a `part` of the ramp, from 0, dark, to 1, light.
+pub fn ramp(part: f64) -> [u8; 3] {
+    let x = part.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
     let i = (x as usize).min(RAMP.len() - 2);
     let t = x - i as f64;
     [0, 1, 2].map(|c| (RAMP[i][c] + t * (RAMP[i + 1][c] - RAMP[i][c])).round() as u8)

@@ -1,5 +1,6 @@
 //! Progressive rendering: passes on the GPU, blocks of samples merged into an f64 film on the host.
 
+mod adaptive;
 pub mod aov;
 pub mod check;
 mod error;

@@ -3,13 +3,16 @@
 //! The image is cut into regions whose pixel states fit one binding, regions into 8 × 8 tiles. A *pass* takes every
 //! pixel a few samples further, in dispatches sized by feedback so that each stays short. Samples are accumulated in
 //! blocks of 256 in f32 on the GPU; a full block is merged into the f64 film. Where a pass is cut does not
-//! change the image: a pixel's state goes on exactly from where it stood.
+//! change the image: a pixel's state goes on exactly from where it stood. With [adaptive](super::adaptive) sampling
+//! pixels fall into classes, each with a number of samples and a block of its own.
 
 mod build;
 pub(super) mod checkpoint;
 mod readback;
 mod region;
+mod standing;
 
+use super::adaptive::{Allocation, PILOT};
 use super::film::Film;
 use crate::error::GpuError;
 use crate::gpu::kernel::{SceneBindings, SceneKernel};
@@ -17,17 +20,14 @@ use crate::gpu::layout::{BLOCK_SAMPLES, Dispatch, Frame, TILE_PIXELS};
 use crate::gpu::{Context, GpuBuffer};
 use checkpoint::Saved;
 use region::Region;
+use standing::{Class, Standing};
+use std::ops::Range;
 use std::time::{Duration, Instant};
 
 /// Workgroups of one dispatch at most (WebGPU's default limit).
 const MAX_WORKGROUPS: u32 = 65_535;
 /// Dispatches without a finished pixel after which a scene counts as too deep for the driver's loops.
 const MAX_RETRIES: u32 = 4096;
-
-/// Distances between the tiles of successive workgroups on a driver in software, of which the first that is coprime to the
-/// number of tiles is taken. Such a driver hands each of its threads a row of workgroups: with neighbouring tiles some threads would
-/// have the dear part of the image, and the others would wait for them.
-const SOFTWARE_STRIDES: [u32; 3] = [17, 19, 23];
 
 /// Rays traced.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
@@ -70,10 +70,9 @@ pub struct Session<'a> {
     regions: Vec<Region>,
     film: Film,
     rays: RayCounts,
-    /// Samples per pixel in merged blocks.
-    merged: u64,
-    /// Position in the open block that every pixel has reached.
-    position: u32,
+    /// Whether samples are shared out by where the error is.
+    adaptive: bool,
+    standing: Standing,
     budget: u64,
     /// How long a dispatch should take.
     dispatch_time: Duration,
@@ -90,19 +89,19 @@ impl<'a> Session<'a> {
         self.kernel.wgsl()
     }
 
-    /// Samples that every pixel has.
+    /// Samples that every pixel has; with adaptive sampling, what they have on the average, rounded down.
     pub fn samples(&self) -> u64 {
-        self.merged + u64::from(self.position)
+        self.standing.samples()
     }
 
     /// Samples per pixel that the next pass should take so that it lasts about one dispatch, at least 1.
     pub fn pass_samples(&self, remaining: u64) -> u64 {
         let pixels = self.film.size.pixels() as u64;
-        let in_block = u64::from(BLOCK_SAMPLES - self.position);
-        (self.budget / pixels).clamp(1, remaining.min(in_block).max(1))
+        (self.budget / pixels).clamp(1, remaining.clamp(1, u64::from(BLOCK_SAMPLES)))
     }
 
-    /// Takes every pixel `samples` further, at most to the end of the open block. `stop` is asked between dispatches.
+    /// Takes every pixel `samples` further, at most to the end of the open block; with adaptive sampling, about so many on the
+    /// average. `stop` is asked between dispatches.
     ///
     /// # Errors
     /// The driver fails, or ends the scene's traversal loops so early that no sample can be finished.
@@ -111,55 +110,77 @@ impl<'a> Session<'a> {
         samples: u64,
         mut stop: impl FnMut() -> bool,
     ) -> Result<StopReason, GpuError> {
-        let target = (u64::from(self.position) + samples).min(u64::from(BLOCK_SAMPLES)) as u32;
-        for region in 0..self.regions.len() {
-            let tiles = self.regions[region].tiles;
-            let mut tile = 0;
-            while tile < tiles {
-                if stop() {
+        let samples = self.share_out(samples)?;
+        let targets = self.standing.targets(samples);
+        loop {
+            self.merge_full()?;
+            let classes = self.standing.classes.iter().zip(&targets).enumerate();
+            let behind = classes.filter(|(_, (class, target))| class.samples() < **target);
+            let behind: Vec<_> = behind
+                .map(|(class, (_, target))| (class, *target))
+                .collect();
+            if behind.is_empty() {
+                break;
+            }
+            for (class, target) in behind {
+                if self.bring(class, target, &mut stop)? == StopReason::Interrupted {
                     return Ok(StopReason::Interrupted);
                 }
-                let step = u64::from(target - self.position);
-                let fit = self.budget / (u64::from(TILE_PIXELS) * step);
-                let count = (fit.max(1).min(u64::from(MAX_WORKGROUPS)) as u32).min(tiles - tile);
-                self.dispatch_tiles(region, tile, count, target)?;
-                tile += count;
             }
         }
-        self.position = target;
-        if self.position == BLOCK_SAMPLES {
-            (self.film, self.rays) = self.snapshot()?;
-            self.close_block()?;
-        } else if self.saved.is_due() {
+        if self.saved.is_due() {
             self.save()?;
         }
         Ok(StopReason::Done)
     }
 
-    /// Brings `count` tiles of a region to `target`.
-    fn dispatch_tiles(
+    /// Takes the pixels of a class to `target` samples, at most to the end of the open block.
+    fn bring(
         &mut self,
-        region: usize,
-        tile: u32,
-        count: u32,
+        class: usize,
+        target: u64,
+        stop: &mut impl FnMut() -> bool,
+    ) -> Result<StopReason, GpuError> {
+        let Class { merged, position } = self.standing.classes[class];
+        let target = (target - merged).min(u64::from(BLOCK_SAMPLES)) as u32;
+        for region in 0..self.regions.len() {
+            let Range { mut start, end } = self.regions[region].rows[class];
+            while start < end {
+                if stop() {
+                    return Ok(StopReason::Interrupted);
+                }
+                let step = u64::from(TILE_PIXELS) * u64::from(target - position);
+                let fit = (self.budget / step).clamp(1, u64::from(MAX_WORKGROUPS));
+                let count = (fit as u32).min(end - start);
+                self.dispatch_rows((region, class), (start, count), target)?;
+                start += count;
+            }
+        }
+        self.standing.classes[class].position = target;
+        Ok(StopReason::Done)
+    }
+
+    /// Brings `count` rows of pixels of a class, from the row `first_row` of a region on, to `target`.
+    fn dispatch_rows(
+        &mut self,
+        (region, class): (usize, usize),
+        (first_row, count): (u32, u32),
         target: u32,
     ) -> Result<(), GpuError> {
-        let block_start = self.merged;
+        let Class { merged, position } = self.standing.classes[class];
         let region = &self.regions[region];
         let mut parameters = Dispatch {
-            block_start: [block_start as u32, (block_start >> 32) as u32],
-            first_tile: region.first_tile + tile,
-            region_tile: region.first_tile,
+            block_start: [merged as u32, (merged >> 32) as u32],
             target_position: target,
-            fresh: u32::from(self.position == 0),
-            tiles: count,
-            stride: stride(self.context, count),
+            fresh: u32::from(position == 0),
+            first_row,
+            ..Dispatch::default()
         };
         let start = Instant::now();
         for _ in 0..MAX_RETRIES {
             self.dispatches += 1;
             if self.submit(region, &parameters, count)? {
-                let step = u64::from(target - self.position) * u64::from(count * TILE_PIXELS);
+                let step = u64::from(target - position) * u64::from(count * TILE_PIXELS);
                 self.budget = self.next_budget(step, start.elapsed());
                 return Ok(());
             }
@@ -178,8 +199,9 @@ impl<'a> Session<'a> {
             queue.write_buffer(self.dispatch.raw(), 0, bytemuck::bytes_of(parameters));
             let mut encoder = context.device.create_command_encoder(&Default::default());
             encoder.clear_buffer(self.unfinished.raw(), 0, None);
+            let own = Some(&region.own);
             self.kernel
-                .encode(&mut encoder, &region.bindings, &self.scene, None, count);
+                .encode(&mut encoder, &region.bindings, &self.scene, own, count);
             encoder.copy_buffer_to_buffer(
                 self.unfinished.raw(),
                 0,
@@ -195,11 +217,17 @@ impl<'a> Session<'a> {
         Ok(!unfinished)
     }
 
-    /// Pixel-samples that fit the time a dispatch should take, judging by one of `done` that took `elapsed`.
+    /// Pixel-samples that fit the time a dispatch should take, judging by one of `done` that took `elapsed`. One that was much
+    /// smaller than it might have been does not tell that less fits.
     fn next_budget(&self, done: u64, elapsed: Duration) -> u64 {
         let fit = done as f64 * self.dispatch_time.as_secs_f64() / elapsed.as_secs_f64().max(1e-6);
         let largest = self.budget.max(done).saturating_mul(4);
-        (fit as u64).clamp(u64::from(TILE_PIXELS), largest)
+        let next = (fit as u64).clamp(u64::from(TILE_PIXELS), largest);
+        if 2 * done < self.budget && elapsed < self.dispatch_time {
+            next.max(self.budget)
+        } else {
+            next
+        }
     }
 
     /// The device.
@@ -207,31 +235,36 @@ impl<'a> Session<'a> {
         self.context
     }
 
-    /// Starts the next block: what was merged must not be merged again.
-    fn close_block(&mut self) -> Result<(), GpuError> {
-        self.merged += u64::from(self.position);
-        self.position = 0;
-        self.saved = Saved::default();
-        self.context.checked(|| {
-            let mut encoder = self
-                .context
-                .device
-                .create_command_encoder(&Default::default());
-            for region in &self.regions {
-                encoder.clear_buffer(region.pixels.raw(), 0, None);
-                if let Some([groups, _]) = &region.light_groups {
-                    encoder.clear_buffer(groups.raw(), 0, None);
-                }
+    /// Where sampling is adaptive and the pilot is over, shares the samples out. Returns how many of the next `samples` per pixel
+    /// may be taken until that is to be done, all of them if it never is again.
+    fn share_out(&mut self, samples: u64) -> Result<u64, GpuError> {
+        if !self.adaptive || self.standing.allocation.is_some() {
+            return Ok(samples);
+        }
+        let pilot = self.samples();
+        if pilot >= PILOT && pilot.is_power_of_two() {
+            let (film, rays) = self.snapshot()?;
+            if let Some(allocation) = Allocation::after(&film) {
+                (self.film, self.rays) = (film, rays);
+                self.standing.share_out(allocation);
+                self.clear_all()?;
+                self.sort_pixels()?;
+                return Ok(samples);
             }
-            self.context.queue.submit([encoder.finish()]);
+        }
+        let end = (pilot + 1).next_power_of_two().max(PILOT);
+        Ok(samples.min(end - pilot))
+    }
+
+    /// Gives the pixels their order.
+    fn sort_pixels(&mut self) -> Result<(), GpuError> {
+        let (context, size, standing) = (self.context, self.film.size, &self.standing);
+        let regions = &mut self.regions;
+        context.checked(|| {
+            for region in regions {
+                let class_of = |pixel| standing.class_of(size.index(pixel));
+                region.sort(context, size, standing.classes.len(), class_of);
+            }
         })
     }
-}
-
-/// How many tiles lie between those of successive workgroups of a dispatch of `tiles`.
-fn stride(context: &Context, tiles: u32) -> u32 {
-    let strides = SOFTWARE_STRIDES.into_iter();
-    let coprime =
-        strides.filter(|stride| context.adapter.software && !tiles.is_multiple_of(*stride));
-    coprime.min().unwrap_or(1)
 }

@@ -120,6 +120,11 @@ impl FilmSize {
         self.width as usize * self.height as usize
     }
 
+    /// Index, row by row, of the pixel in column `x` and row `y`.
+    pub fn index(self, (x, y): (u32, u32)) -> usize {
+        y as usize * self.width as usize + x as usize
+    }
+
     /// Width over height.
     pub fn aspect(self) -> f64 {
         f64::from(self.width) / f64::from(self.height)

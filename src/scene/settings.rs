@@ -173,6 +173,9 @@ pub struct RenderSettings {
     pub sampler: Sampler,
     /// Samples per pixel, at least 1.
     pub spp: u64,
+    /// Whether pixels take more samples where the error is large and fewer where it is small, `spp` on the average. The first 16
+    /// are the same for all and say where that is.
+    pub adaptive: bool,
     /// Seconds of rendering after which it ends, even with fewer samples; none: `spp` alone decides.
     pub time: Option<f64>,
     /// Relative error of the image, √relMSE, at which it ends; none: other settings decide.
@@ -199,6 +202,7 @@ impl Default for RenderSettings {
             max_specular_depth: 8,
             sampler: Sampler::default(),
             spp: 64,
+            adaptive: false,
             time: None,
             error: None,
             confidence: 0.95,

@@ -212,7 +212,7 @@ pub fn shortcuts(app: &mut App, context: &egui::Context) {
     if pressed(Key::C) {
         super::panels::compare(app, app.methods.len() < 2);
     }
-    for (key, (layer, _)) in [Key::Num1, Key::Num2, Key::Num3]
+    for (key, (layer, _)) in [Key::Num1, Key::Num2, Key::Num3, Key::Num4]
         .into_iter()
         .zip(Layer::ALL)
     {

@@ -39,14 +39,17 @@ pub enum Layer {
     StandardError,
     /// The first view minus the second over their mean, from blue to red.
     Difference,
+    /// How many samples pixels have, as a colour: what adaptive sampling does.
+    Samples,
 }
 
 impl Layer {
     /// All of them, with their names.
-    pub const ALL: [(Self, &'static str); 3] = [
+    pub const ALL: [(Self, &'static str); 4] = [
         (Self::Radiance, "radiance"),
         (Self::StandardError, "standard error"),
         (Self::Difference, "difference"),
+        (Self::Samples, "samples"),
     ];
 }
 

@@ -3,7 +3,7 @@
 use super::density::Density;
 use super::job::{Layer, Method};
 use crate::effects::Effect;
-use crate::image::heat::heat;
+use crate::image::heat::{heat, ramp};
 use crate::image::png::Display;
 use crate::image::signed;
 use crate::render::{Film, ImageError, RayCounts};
@@ -82,6 +82,7 @@ pub fn colours(film: &Film, other: Option<&Film>, layer: Layer, display: &Displa
     let pixels = match (layer, other.filter(|other| other.size == film.size)) {
         (Layer::StandardError, _) => standard_error(film),
         (Layer::Difference, Some(other)) => difference(film, other),
+        (Layer::Samples, _) => samples(film),
         _ => radiance(film, display),
     };
     let FilmSize { width, height } = film.size;
@@ -122,6 +123,14 @@ fn difference(film: &Film, other: &Film) -> Vec<Color32> {
     relative
         .map(|x| colour(signed::colour(x / DIFFERENCE)))
         .collect()
+}
+
+fn samples(film: &Film) -> Vec<Color32> {
+    let octaves = 16_f64.log2();
+    let mean = film.mean_samples() as f64;
+    let pixels = film.pixels.par_iter();
+    let relative = pixels.map(|p| (p.samples as f64 / mean).log2() / octaves);
+    relative.map(|x| colour(ramp(0.5 + 0.5 * x))).collect()
 }
 
 fn mean(rgb: [f64; 3]) -> f64 {
@@ -167,6 +176,17 @@ mod tests {
         let picture = colours(&a, Some(&b), Layer::Difference, &Display::default());
         assert_eq!(picture.pixels[0], Color32::WHITE);
         assert_eq!(picture.pixels[1], colour(signed::colour(-1.0)));
+    }
+
+    #[test]
+    fn more_samples_are_lighter() {
+        let mut film = film(&[1.0, 1.0, 1.0]);
+        for (pixel, samples) in film.pixels.iter_mut().zip([16, 32, 1024]) {
+            pixel.samples = samples;
+        }
+        let picture = colours(&film, None, Layer::Samples, &Display::default());
+        let light = |c: &Color32| u32::from(c.r()) + u32::from(c.g()) + u32::from(c.b());
+        assert!(picture.pixels.is_sorted_by(|a, b| light(a) < light(b)));
     }
 
     #[test]

@@ -148,6 +148,7 @@ fn render_table(table: &mut Item, settings: &RenderSettings) {
     table["energy_compensation"] = value(settings.energy_compensation);
     table["max_specular_depth"] = value(i64::from(settings.max_specular_depth));
     table["sampler"] = text(&settings.sampler);
+    table["adaptive"] = value(settings.adaptive);
     table["spp"] = value(i64::try_from(settings.spp).unwrap_or(i64::MAX));
     table["seed"] = value(i64::from(settings.seed));
     for ends in ["time", "error"] {

@@ -60,13 +60,9 @@ fn a_calibration_that_is_stopped_has_the_estimators_before() {
 
 /// Reported errors are within 10 % of actual ones, intervals hold what they say, and images that stop by themselves are as
 /// right as they were told to be. The bounds leave four standard errors of so few images.
-#[test]
-fn reported_errors_are_the_actual_ones() {
-    for c in calibrate(&context(), &cornell(), &settings(), &mut |_, _| {}, &|| {
-        false
-    })
-    .unwrap()
-    {
+fn assert_calibrated(scene: &Scene, settings: &Settings) {
+    let found = calibrate(&context(), scene, settings, &mut |_, _| {}, &|| false);
+    for c in found.unwrap() {
         let off = |value: f64, due: f64| (value - due).abs();
         assert!(
             off(c.ratio.value, 1.0) < 0.1 + 4.0 * c.ratio.standard_error,
@@ -84,6 +80,18 @@ fn reported_errors_are_the_actual_ones() {
             assert!(off(bias.value, 0.0) < 4.5 * bias.standard_error, "{c:#?}");
         }
     }
+}
+
+#[test]
+fn reported_errors_are_the_actual_ones() {
+    assert_calibrated(&cornell(), &settings());
+}
+
+#[test]
+fn so_they_are_where_sampling_is_adaptive() {
+    let mut cornell = cornell();
+    cornell.render.adaptive = true;
+    assert_calibrated(&cornell, &settings());
 }
 
 /// Broken: the scatter of the samples, which takes Sobol points for independent ones.

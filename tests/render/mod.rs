@@ -1,5 +1,6 @@
 //! Images against exact values, strategies against each other, and what must not change an image.
 
+mod adaptive;
 mod aov;
 mod compensation;
 mod error;

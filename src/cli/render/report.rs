@@ -17,6 +17,9 @@ pub(super) struct Report {
     width: u32,
     height: u32,
     spp: u64,
+    /// Fewest and most samples of a pixel.
+    samples: [u64; 2],
+    adaptive: bool,
     passes: u64,
     /// What ended it.
     pub(super) stopped_by: StoppedBy,
@@ -77,7 +80,9 @@ pub(super) fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds)
         adapter: adapter.clone(),
         width: film.size.width,
         height: film.size.height,
-        spp: film.sample_range().1,
+        spp: film.mean_samples(),
+        samples: film.sample_range().into(),
+        adaptive: settings.adaptive,
         passes: progressed.passes,
         stopped_by: progressed.stopped_by,
         samples_per_second: rays.camera as f64 / seconds.render,
@@ -125,6 +130,7 @@ pub(super) fn attributes(report: &Report) -> Vec<(&'static str, String)> {
         ("driver", report.adapter.driver.clone()),
         ("seed", report.seed.to_string()),
         ("spp", report.spp.to_string()),
+        ("adaptive", report.adaptive.to_string()),
         ("seconds", format!("{:.3}", report.seconds.render)),
         ("direkt", report.direkt.to_owned()),
         ("strategy", report.strategy.to_string()),

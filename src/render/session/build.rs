@@ -2,6 +2,7 @@
 
 use super::checkpoint::Saved;
 use super::region::{Region, light_groups, most_tiles};
+use super::standing::Standing;
 use super::{RayCounts, Session};
 use crate::error::GpuError;
 use crate::gpu::kernel::{DIRECT, SceneKernel};
@@ -144,11 +145,11 @@ impl<'a> Session<'a> {
             regions: Vec::new(),
             film: new_film(prepared, film),
             rays: RayCounts::default(),
-            merged: 0,
-            position: 0,
+            adaptive: prepared.scene.render.adaptive,
+            standing: Standing::default(),
             budget: first_budget(prepared),
             dispatch_time: dispatch_time(context),
-            saved: Saved::default(),
+            saved: Saved::none(Standing::default()),
             compile_seconds: 0.0,
             dispatches: 0,
         };
@@ -174,14 +175,13 @@ impl<'a> Session<'a> {
             });
             regions.collect()
         })?;
-        Ok(())
+        self.sort_pixels()
     }
 
     /// Dispatches a tile without samples: some drivers compile at the first dispatch, not before.
     fn warm_up(&self) -> Result<(), GpuError> {
         let nothing = Dispatch {
             fresh: 1,
-            tiles: 1,
             ..Dispatch::default()
         };
         self.submit(&self.regions[0], &nothing, 1)?;
@@ -205,9 +205,7 @@ impl<'a> Session<'a> {
         self.frame_data.pattern = patterns.pixel;
         self.frame_data.light_pattern = patterns.light;
         self.write_frame()?;
-        self.close_block()?;
-        self.forget(self.film.size);
-        Ok(())
+        self.forget()
     }
 
     /// Begins again with another camera or another size of the image, without compiling anew. `prepared` is what the session was
@@ -223,22 +221,29 @@ impl<'a> Session<'a> {
         } = self.frame_data;
         self.frame_data = scene_buffers::frame(prepared, film, seed, environment_grid);
         self.write_frame()?;
-        if film == self.film.size {
-            self.close_block()?;
-        } else {
+        if film != self.film.size {
             self.film = new_film(prepared, film);
+            self.standing = Standing::default();
             self.make_regions(prepared, REGION_TILES)?;
-            (self.position, self.saved) = (0, Saved::default());
         }
-        self.forget(film);
-        Ok(())
+        self.forget()
     }
 
-    fn forget(&mut self, size: FilmSize) {
-        self.merged = 0;
+    fn forget(&mut self) -> Result<(), GpuError> {
         self.rays = RayCounts::default();
-        self.film =
-            Film::new(size, self.film.sampler).with_light_groups(self.film.light_groups.len());
+        let groups = self.film.light_groups.len();
+        self.film = Film::new(self.film.size, self.film.sampler).with_light_groups(groups);
+        let was_shared_out = self.standing.allocation.is_some();
+        self.standing = Standing::default();
+        if was_shared_out {
+            self.sort_pixels()?;
+        }
+        self.clear_all()
+    }
+
+    /// Whether samples are shared out by where the error is, as long as they have not been.
+    pub fn set_adaptive(&mut self, adaptive: bool) {
+        self.adaptive = adaptive;
     }
 
     /// Lets dispatches last about `time`: shorter ones cost some speed, but the caller is asked sooner whether to stop.

@@ -1,9 +1,11 @@
 //! Where a render stands: what another device needs to go on with it, bit for bit as if nothing had happened.
 
+use super::readback::{Block, slots};
+use super::standing::Standing;
 use super::{RayCounts, Session};
 use crate::error::GpuError;
-use crate::gpu::layout::{GroupMean, PixelState};
 use crate::render::film::Film;
+use bytemuck::Zeroable;
 use std::time::{Duration, Instant};
 
 /// How much work a lost device may cost.
@@ -16,42 +18,32 @@ pub struct Checkpoint {
     film: Film,
     /// Rays of merged blocks.
     rays: RayCounts,
-    /// Samples per pixel in merged blocks.
-    merged: u64,
-    /// The open block.
-    block: Saved,
+    /// Open blocks.
+    saved: Saved,
 }
 
 impl Checkpoint {
-    /// Samples per pixel.
+    /// Samples per pixel, on the average where they differ.
     pub fn samples(&self) -> u64 {
-        self.merged + u64::from(self.block.position)
+        self.saved.standing.samples()
     }
 }
 
-/// The open block as the host knows it.
+/// The open blocks as the host knows them.
 #[derive(Debug, Clone)]
 pub(super) struct Saved {
-    /// Position in the block.
-    pub position: u32,
-    /// The pixels' states, region by region; none at the beginning of a block.
-    pub states: Vec<Vec<PixelState>>,
-    /// The means of their groups of lights.
-    pub light_groups: Vec<Vec<GroupMean>>,
+    pub standing: Standing,
+    /// All rows of each region; none at the beginning of a block.
+    blocks: Vec<Block>,
     at: Instant,
 }
 
 impl Saved {
-    /// The block at `position`, as of now.
-    pub fn at(
-        position: u32,
-        states: Vec<Vec<PixelState>>,
-        light_groups: Vec<Vec<GroupMean>>,
-    ) -> Self {
+    /// No open blocks, as of now.
+    pub fn none(standing: Standing) -> Self {
         Self {
-            position,
-            states,
-            light_groups,
+            standing,
+            blocks: Vec::new(),
             at: Instant::now(),
         }
     }
@@ -60,27 +52,32 @@ impl Saved {
     pub fn is_due(&self) -> bool {
         self.at.elapsed() >= INTERVAL
     }
-}
 
-impl Default for Saved {
-    fn default() -> Self {
-        Self::at(0, Vec::new(), Vec::new())
+    /// Forgets `block`, of the region `index`, which has been merged.
+    pub fn forget(&mut self, index: usize, block: &Block) {
+        if let Some(saved) = self.blocks.get_mut(index) {
+            let states = slots(&block.rows(), 1);
+            let per_pixel = block.light_groups.len() / block.states.len().max(1);
+            let groups = slots(&block.rows(), per_pixel);
+            saved.states[states].fill(Zeroable::zeroed());
+            saved.light_groups[groups].fill(Zeroable::zeroed());
+        }
     }
 }
 
 impl Session<'_> {
-    /// Keeps the open block's states on the host, so that losing the device loses no more than what comes after.
+    /// Keeps the open blocks' states on the host, so that losing the device loses no more than what comes after.
     ///
     /// # Errors
     /// The driver fails.
     pub fn save(&mut self) -> Result<(), GpuError> {
-        let mut states = Vec::with_capacity(self.regions.len());
-        let mut groups = Vec::with_capacity(self.regions.len());
+        let mut saved = Saved::none(self.standing.clone());
         for region in &self.regions {
-            self.read_states(region, |of_region| states.push(of_region.to_vec()))?;
-            groups.push(self.read_groups(region)?);
+            saved
+                .blocks
+                .push(self.read_rows(region, region.all_rows())?);
         }
-        self.saved = Saved::at(self.position, states, groups);
+        self.saved = saved;
         Ok(())
     }
 
@@ -89,8 +86,7 @@ impl Session<'_> {
         Checkpoint {
             film: self.film,
             rays: self.rays,
-            merged: self.merged,
-            block: self.saved,
+            saved: self.saved,
         }
     }
 
@@ -99,30 +95,22 @@ impl Session<'_> {
     /// # Errors
     /// The driver fails.
     pub fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), GpuError> {
-        let Checkpoint {
-            film,
-            rays,
-            merged,
-            block,
-        } = checkpoint;
+        let Checkpoint { film, rays, saved } = checkpoint;
         assert_eq!(film.size, self.film.size, "a checkpoint of another image");
         self.context.checked(|| {
-            for (region, states) in self.regions.iter().zip(&block.states) {
-                let bytes = bytemuck::cast_slice(states);
-                self.context
-                    .queue
-                    .write_buffer(region.pixels.raw(), 0, bytes);
-            }
-            for (region, groups) in self.regions.iter().zip(&block.light_groups) {
-                if let Some([buffer, _]) = &region.light_groups {
-                    let bytes = bytemuck::cast_slice(groups);
-                    self.context.queue.write_buffer(buffer.raw(), 0, bytes);
+            let queue = &self.context.queue;
+            for (region, block) in self.regions.iter().zip(&saved.blocks) {
+                let states = bytemuck::cast_slice(&block.states);
+                queue.write_buffer(region.pixels.raw(), 0, states);
+                if let Some([groups, _]) = &region.light_groups {
+                    let means = bytemuck::cast_slice(&block.light_groups);
+                    queue.write_buffer(groups.raw(), 0, means);
                 }
             }
         })?;
-        (self.film, self.rays, self.merged) = (film, rays, merged);
-        self.position = block.position;
-        self.saved = block;
+        self.standing = saved.standing.clone();
+        self.sort_pixels()?;
+        (self.film, self.rays, self.saved) = (film, rays, saved);
         Ok(())
     }
 }

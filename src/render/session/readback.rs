@@ -1,14 +1,25 @@
 //! From the GPU to the film.
 
+use super::checkpoint::Saved;
+use super::standing::Standing;
 use super::{RayCounts, Region, Session};
 use crate::error::GpuError;
 use crate::gpu::GpuBuffer;
-use crate::gpu::layout::{GroupMean, PixelState, TILE, TILE_PIXELS, lane_pixel};
+use crate::gpu::layout::{GroupMean, PixelState, TILE_PIXELS};
 use crate::render::film::Film;
 use bytemuck::Pod;
+use std::ops::Range;
+
+/// States of successive rows of pixels, and the means of their groups of lights.
+#[derive(Debug, Clone)]
+pub(super) struct Block {
+    pub first_row: u32,
+    pub states: Vec<PixelState>,
+    pub light_groups: Vec<GroupMean>,
+}
 
 impl Session<'_> {
-    /// The image so far, with the open block merged into it, and the rays traced for it.
+    /// The image so far, with the open blocks merged into it, and the rays traced for it.
     ///
     /// # Errors
     /// The driver fails.
@@ -16,71 +27,133 @@ impl Session<'_> {
         let mut film = self.film.clone();
         let mut rays = self.rays;
         for region in &self.regions {
-            let groups = self.read_groups(region)?;
-            self.read_states(region, |states| {
-                let region = (region.first_tile, self.merged);
-                merge_region(&mut film, &mut rays, region, states, &groups);
-            })?;
+            let block = self.read_rows(region, region.all_rows())?;
+            merge(&mut film, &mut rays, &self.standing, (region, &block));
         }
         Ok((film, rays))
     }
 
-    /// Hands the states of a region's pixels to `read`.
-    pub(super) fn read_states(
+    /// Merges the blocks of the classes whose blocks are full into the film, and opens their next ones.
+    pub(super) fn merge_full(&mut self) -> Result<(), GpuError> {
+        let classes = self.standing.classes.iter().enumerate();
+        let full = classes.filter(|(_, class)| class.is_full());
+        let full: Vec<_> = full.map(|(class, _)| class).collect();
+        let mut blocks = Vec::new();
+        for (index, region) in self.regions.iter().enumerate() {
+            for &class in &full {
+                blocks.push((index, self.read_rows(region, region.rows[class].clone())?));
+            }
+        }
+        // What the host knows changes at once, so that a device that is lost takes nothing with it.
+        for (region, block) in &blocks {
+            let of_region = (&self.regions[*region], block);
+            merge(&mut self.film, &mut self.rays, &self.standing, of_region);
+        }
+        for &class in &full {
+            self.standing.classes[class].open_block();
+            self.saved.standing.classes[class] = self.standing.classes[class];
+        }
+        for (region, block) in &blocks {
+            self.saved.forget(*region, block);
+        }
+        let blocks = blocks.iter();
+        self.clear(blocks.map(|(region, block)| (&self.regions[*region], block.rows())))
+    }
+
+    /// Forgets the open blocks.
+    pub(super) fn clear_all(&mut self) -> Result<(), GpuError> {
+        self.saved = Saved::none(self.standing.clone());
+        let regions = self.regions.iter();
+        self.clear(regions.map(|region| (region, region.all_rows())))
+    }
+
+    fn clear<'r>(
         &self,
-        region: &Region,
-        mut read: impl FnMut(&[PixelState]),
+        blocks: impl Iterator<Item = (&'r Region, Range<u32>)>,
     ) -> Result<(), GpuError> {
-        self.copy(&region.pixels, &region.staging)?;
-        self.context.read(region.staging.raw(), |bytes| {
-            read(bytemuck::cast_slice(bytes));
-        })
-    }
-
-    /// The means of a region's groups of lights, pixel by pixel; none where they are not kept apart.
-    pub(super) fn read_groups(&self, region: &Region) -> Result<Vec<GroupMean>, GpuError> {
-        let Some([groups, staging]) = &region.light_groups else {
-            return Ok(Vec::new());
-        };
-        self.copy(groups, staging)?;
-        let to_vec = |bytes: &[u8]| bytemuck::cast_slice(bytes).to_vec();
-        self.context.read(staging.raw(), to_vec)
-    }
-
-    fn copy<T: Pod>(&self, from: &GpuBuffer<T>, to: &GpuBuffer<T>) -> Result<(), GpuError> {
         self.context.checked(|| {
             let device = &self.context.device;
             let mut encoder = device.create_command_encoder(&Default::default());
-            encoder.copy_buffer_to_buffer(from.raw(), 0, to.raw(), 0, from.bytes());
+            for (region, rows) in blocks.filter(|(_, rows)| !rows.is_empty()) {
+                region.pixels.clear(&mut encoder, slots(&rows, 1));
+                if let Some([groups, _]) = &region.light_groups {
+                    groups.clear(&mut encoder, slots(&rows, self.film.light_groups.len()));
+                }
+            }
             self.context.queue.submit([encoder.finish()]);
         })
     }
+
+    /// The states of a region's `rows`.
+    pub(super) fn read_rows(&self, region: &Region, rows: Range<u32>) -> Result<Block, GpuError> {
+        let light_groups = match &region.light_groups {
+            Some([groups, staging]) => {
+                self.read(groups, staging, slots(&rows, self.film.light_groups.len()))?
+            }
+            None => Vec::new(),
+        };
+        Ok(Block {
+            first_row: rows.start,
+            states: self.read(&region.pixels, &region.staging, slots(&rows, 1))?,
+            light_groups,
+        })
+    }
+
+    fn read<T: Pod>(
+        &self,
+        buffer: &GpuBuffer<T>,
+        staging: &GpuBuffer<T>,
+        range: Range<usize>,
+    ) -> Result<Vec<T>, GpuError> {
+        if range.is_empty() {
+            return Ok(Vec::new());
+        }
+        let size = size_of::<T>() as u64;
+        let (start, bytes) = (range.start as u64 * size, range.len() as u64 * size);
+        self.context.checked(|| {
+            let device = &self.context.device;
+            let mut encoder = device.create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(buffer.raw(), start, staging.raw(), 0, bytes);
+            self.context.queue.submit([encoder.finish()]);
+        })?;
+        let to_vec = |bytes: &[u8]| bytemuck::cast_slice(bytes).to_vec();
+        self.context.read_first(staging.raw(), bytes, to_vec)
+    }
 }
 
-/// Merges the states of a region's tiles, and the means of their groups of lights, into the film.
-fn merge_region(
+impl Block {
+    pub fn rows(&self) -> Range<u32> {
+        self.first_row..self.first_row + self.states.len() as u32 / TILE_PIXELS
+    }
+}
+
+/// Elements of `rows` in a buffer with `per_pixel` of them for each pixel.
+pub(super) fn slots(rows: &Range<u32>, per_pixel: usize) -> Range<usize> {
+    let of_row = TILE_PIXELS as usize * per_pixel;
+    rows.start as usize * of_row..rows.end as usize * of_row
+}
+
+/// Merges a block of a region into `film`.
+fn merge(
     film: &mut Film,
     rays: &mut RayCounts,
-    (first_tile, block_start): (u32, u64),
-    states: &[PixelState],
-    groups: &[GroupMean],
+    standing: &Standing,
+    (region, block): (&Region, &Block),
 ) {
-    let size = film.size;
-    let tiles_per_row = size.width.div_ceil(TILE);
     let per_pixel = film.light_groups.len();
-    for (slot, state) in states.iter().enumerate() {
-        let i = slot as u32;
-        let tile = first_tile + i / TILE_PIXELS;
-        let (dx, dy) = lane_pixel(i % TILE_PIXELS);
-        let x = tile % tiles_per_row * TILE + dx;
-        let y = tile / tiles_per_row * TILE + dy;
-        if x >= size.width || y >= size.height {
+    let first = slots(&block.rows(), 1).start;
+    for (i, state) in block.states.iter().enumerate() {
+        let Some((x, y)) = region.pixel(first + i) else {
             continue;
-        }
-        let pixel = y as usize * size.width as usize + x as usize;
-        let of_pixel = &groups[slot * per_pixel..][..per_pixel];
-        film.merge(pixel, state, of_pixel);
-        film.ledger.enter(state, x, y, block_start);
+        };
+        let pixel = film.size.index((x, y));
+        film.merge(
+            pixel,
+            state,
+            &block.light_groups[i * per_pixel..][..per_pixel],
+        );
+        let class = standing.classes[standing.class_of(pixel)];
+        film.ledger.enter(state, x, y, class.merged);
         rays.camera += u64::from(state.samples + state.dropped);
         rays.shadow += u64::from(state.shadow_rays);
         rays.bsdf += u64::from(state.bsdf_rays);

@@ -1,25 +1,43 @@
 //! A part of the image whose pixels share buffers.
 
 use crate::effects::Effect;
-use crate::gpu::kernel::{PassBuffers, RegionBindings, SceneKernel};
-use crate::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE_PIXELS};
+use crate::gpu::kernel::{OwnBindings, PassBuffers, RegionBindings, SceneKernel};
+use crate::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS, lane_pixel};
 use crate::gpu::{Context, GpuBuffer};
+use crate::render::adaptive::CLASSES;
 use crate::render::prepare::Prepared;
+use crate::scene::FilmSize;
+use std::ops::Range;
+
+/// Pixels of a row: those of one workgroup.
+const ROW: usize = TILE_PIXELS as usize;
+/// Distances between successive rows of pixels on a driver in software, of which the first that is coprime to the number of
+/// rows is taken. Such a driver hands each of its threads a contiguous part of a dispatch: if that were a contiguous part of the
+/// image, some threads would have the dear one, and the others would wait for them.
+const SOFTWARE_STRIDES: [usize; 3] = [17, 19, 23];
+/// Beyond the last pixel of a row, `NONE` in the kernel.
+const NONE: u32 = u32::MAX;
 
 /// Pixels whose states share one buffer.
 #[derive(Debug)]
 pub(super) struct Region {
-    pub(super) first_tile: u32,
-    pub(super) tiles: u32,
+    first_tile: u32,
+    tiles: u32,
     pub(super) pixels: GpuBuffer<PixelState>,
     pub(super) staging: GpuBuffer<PixelState>,
     /// The means of their groups of lights, and where these are read from.
     pub(super) light_groups: Option<[GpuBuffer<GroupMean>; 2]>,
     pub(super) bindings: RegionBindings,
+    pub(super) own: OwnBindings,
+    /// The pixels as x + 2¹⁶·y in the order of their states, class by class, in rows of 64.
+    order: Vec<u32>,
+    order_buffer: GpuBuffer<u32>,
+    /// Rows of each class.
+    pub(super) rows: Vec<Range<u32>>,
 }
 
 impl Region {
-    /// `tiles` tiles from `first_tile` on, with `groups` groups of lights.
+    /// `tiles` tiles from `first_tile` on, with `groups` groups of lights; its pixels have no order yet.
     pub(super) fn new(
         device: &wgpu::Device,
         kernel: &SceneKernel,
@@ -27,7 +45,8 @@ impl Region {
         (first_tile, tiles): (u32, u32),
         groups: u32,
     ) -> Self {
-        let count = (tiles * TILE_PIXELS) as usize;
+        // Each class may fill up its last row.
+        let count = tiles as usize * ROW + CLASSES * ROW;
         let read = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         let usage = wgpu::BufferUsages::STORAGE
             | wgpu::BufferUsages::COPY_SRC
@@ -47,15 +66,77 @@ impl Region {
             unfinished,
             light_groups: light_groups.as_ref().map(|[groups, _]| groups),
         };
+        let order_buffer = GpuBuffer::zeroed(device, "direct.order", count, usage);
         Self {
             first_tile,
             tiles,
             bindings: kernel.bind_region(device, &pass),
+            own: kernel.bind_own(device, vec![order_buffer.binding()]),
+            order: Vec::new(),
+            order_buffer,
+            rows: Vec::new(),
             light_groups,
             pixels,
             staging: GpuBuffer::zeroed(device, "direct.pixels.staging", count, read),
         }
     }
+
+    /// All rows.
+    pub(super) fn all_rows(&self) -> Range<u32> {
+        0..(self.order.len() / ROW) as u32
+    }
+
+    /// Column and row of the pixel whose state is number `slot`; `None` where a row is filled up.
+    pub(super) fn pixel(&self, slot: usize) -> Option<(u32, u32)> {
+        let packed = self.order[slot];
+        (packed != NONE).then_some((packed & 0xffff, packed >> 16))
+    }
+
+    /// Sorts the pixels of an image of `size` into `classes` classes. Their states are not moved.
+    pub(super) fn sort(
+        &mut self,
+        context: &Context,
+        size: FilmSize,
+        classes: usize,
+        class_of: impl Fn((u32, u32)) -> usize,
+    ) {
+        let mut sorted = vec![Vec::new(); classes];
+        let tiles_per_row = size.width.div_ceil(TILE);
+        for tile in self.first_tile..self.first_tile + self.tiles {
+            let corner = (tile % tiles_per_row * TILE, tile / tiles_per_row * TILE);
+            for (dx, dy) in (0..TILE_PIXELS).map(lane_pixel) {
+                let (x, y) = (corner.0 + dx, corner.1 + dy);
+                if x < size.width && y < size.height {
+                    sorted[class_of((x, y))].push(x | (y << 16));
+                }
+            }
+        }
+        self.order.clear();
+        self.rows.clear();
+        for mut pixels in sorted {
+            pixels.resize(pixels.len().next_multiple_of(ROW), NONE);
+            let first = self.order.len() / ROW;
+            let rows = pixels.len() / ROW;
+            let stride = stride(context, rows);
+            for i in 0..rows {
+                let row = &pixels[i * stride % rows * ROW..][..ROW];
+                self.order.extend_from_slice(row);
+            }
+            self.rows.push(first as u32..(first + rows) as u32);
+        }
+        let bytes = bytemuck::cast_slice(&self.order);
+        context
+            .queue
+            .write_buffer(self.order_buffer.raw(), 0, bytes);
+    }
+}
+
+/// How many rows lie between those that are taken one after the other, out of `rows`.
+fn stride(context: &Context, rows: usize) -> usize {
+    let strides = SOFTWARE_STRIDES.into_iter();
+    let mut coprime =
+        strides.filter(|stride| context.adapter.software && !rows.is_multiple_of(*stride));
+    coprime.next().unwrap_or(1)
 }
 
 /// Groups of lights that the kernel keeps apart.
@@ -77,5 +158,6 @@ pub(super) fn most_tiles(context: &Context, groups: u32) -> u32 {
         .max_storage_buffer_binding_size
         .min(limits.max_buffer_size);
     let of_tile = u64::from(TILE_PIXELS) * u64::from(groups) * size_of::<GroupMean>() as u64;
-    u32::try_from(most / of_tile).unwrap_or(u32::MAX).max(1)
+    let rows = u32::try_from(most / of_tile).unwrap_or(u32::MAX);
+    rows.saturating_sub(CLASSES as u32).max(1)
 }

@@ -34,6 +34,10 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         );
     }
     choice::<Sampler>(ui, "sampler", &mut settings.sampler);
+    ui.checkbox(
+        &mut settings.adaptive,
+        "adaptive: more samples where the error is",
+    );
     ui.horizontal(|ui| {
         let rays = DragValue::new(&mut settings.shadow_rays);
         ui.add(rays.range(1..=MAX_SHADOW_RAYS).suffix(" shadow rays"));

@@ -128,6 +128,11 @@ fn view(app: &mut App, ui: &mut Ui) {
                 "Blue where A is darker than B, red where it is brighter; full colour at 50 %.",
             );
         }
+        Layer::Samples => {
+            ui.label(
+                "From dark, a sixteenth of the mean number of samples, to light, sixteen times the mean.",
+            );
+        }
     }
     if app.methods.len() > 1 {
         ui.horizontal(|ui| {
@@ -215,7 +220,7 @@ fn keys(ui: &mut Ui) {
         ("R", "camera as in the file"),
         ("C", "compare two methods"),
         ("X", "A or B"),
-        ("1 2 3", "radiance, standard error, difference"),
+        ("1 2 3 4", "radiance, standard error, difference, samples"),
         ("[ ]", "the strategy before, the next one"),
         ("Ctrl + S", "save the image"),
         ("Ctrl + Shift + S", "save the scene as it is seen"),

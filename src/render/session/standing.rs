@@ -1,0 +1,88 @@
+//! How far the pixels of a render have come.
+
+use crate::gpu::layout::BLOCK_SAMPLES;
+use crate::render::adaptive::{Allocation, CLASSES};
+use std::sync::Arc;
+
+/// Pixels that have the same number of samples.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Class {
+    /// Samples per pixel in merged blocks.
+    pub merged: u64,
+    /// Position in the open block that every pixel has reached.
+    pub position: u32,
+}
+
+impl Class {
+    /// Samples per pixel.
+    pub fn samples(self) -> u64 {
+        self.merged + u64::from(self.position)
+    }
+
+    /// Its block has been merged: the next one begins.
+    pub fn open_block(&mut self) {
+        (self.merged, self.position) = (self.samples(), 0);
+    }
+
+    /// Whether its block has to be merged before it goes on.
+    pub fn is_full(self) -> bool {
+        self.position == BLOCK_SAMPLES
+    }
+}
+
+/// How far the pixels have come: all of them alike, or by the classes of an allocation.
+#[derive(Debug, Clone)]
+pub(super) struct Standing {
+    pub classes: Vec<Class>,
+    pub allocation: Option<Arc<Allocation>>,
+    /// The level of the allocation that the classes have or are brought to.
+    level: u32,
+}
+
+impl Default for Standing {
+    fn default() -> Self {
+        Self {
+            classes: vec![Class::default()],
+            allocation: None,
+            level: 0,
+        }
+    }
+}
+
+impl Standing {
+    /// Samples per pixel, on the average where they differ.
+    pub fn samples(&self) -> u64 {
+        let samples = self.classes.iter().map(|class| class.samples());
+        match &self.allocation {
+            None => self.classes[0].samples(),
+            Some(allocation) => allocation.mean(samples),
+        }
+    }
+
+    /// Class of the pixel `index`.
+    pub fn class_of(&self, index: usize) -> usize {
+        let allocation = self.allocation.as_ref();
+        allocation.map_or(0, |allocation| allocation.class(index))
+    }
+
+    /// From now on pixels take samples as `allocation` says. The open block has been merged.
+    pub fn share_out(&mut self, allocation: Allocation) {
+        self.classes[0].open_block();
+        self.classes = vec![self.classes[0]; CLASSES];
+        self.allocation = Some(Arc::new(allocation));
+        self.level = 0;
+    }
+
+    /// Samples that the pixels of each class should have after `samples` more per pixel; at most to the end of the open block
+    /// where all have the same.
+    pub fn targets(&mut self, samples: u64) -> Vec<u64> {
+        let Some(allocation) = &self.allocation else {
+            let class = self.classes[0];
+            let most = class.merged + u64::from(BLOCK_SAMPLES);
+            return vec![(class.samples() + samples).min(most)];
+        };
+        self.level = allocation.level_of(self.samples() + samples, self.level);
+        let targets = (0..CLASSES).map(|class| allocation.target(self.level, class));
+        targets.collect()
+    }
+}

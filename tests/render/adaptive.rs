@@ -1,0 +1,213 @@
+//! Adaptive sampling: which samples pixels have, that their means stay right, and what it gains.
+
+use crate::support::{context, prepared, render, scene, statistics, take};
+use direkt::gpu::Context;
+use direkt::render::{Film, Pixel, Prepared, Session, StopReason, render_through_losses};
+use direkt::scene::{FilmSize, Sampler, Scene, Strategy};
+use direkt::stats::moments::Moments;
+use direkt::stats::z_test::z_test;
+use std::collections::BTreeSet;
+
+const PILOT: u64 = 16;
+
+fn cornell(width: u32, height: u32) -> Scene {
+    let mut cornell = scene("scenes/cornell.toml");
+    cornell.film = FilmSize { width, height };
+    cornell.render.adaptive = true;
+    cornell
+}
+
+fn session<'a>(context: &'a Context, prepared: &Prepared, seed: u32) -> Session<'a> {
+    Session::new(context, prepared, prepared.scene.film, seed).unwrap()
+}
+
+fn counts(film: &Film) -> BTreeSet<u64> {
+    film.pixels.iter().map(|p| p.samples).collect()
+}
+
+/// A pixel with n samples has the first n samples: those that all pixels have in an image with n samples per pixel.
+#[test]
+fn pixels_have_the_samples_of_uniform_images() {
+    let context = context();
+    let prepared = prepared(cornell(63, 65));
+    let mut adaptive = session(&context, &prepared, 5);
+    take(&mut adaptive, 150);
+    let film = adaptive.snapshot().unwrap().0;
+    let counts = counts(&film);
+    assert!(counts.iter().all(|n| n.is_power_of_two() && *n >= PILOT));
+    assert!(counts.len() >= 4, "{counts:?}");
+    assert!((150..300).contains(&film.mean_samples()));
+    let mut uniform = session(&context, &prepared, 5);
+    uniform.set_adaptive(false);
+    for n in counts {
+        take(&mut uniform, n);
+        let expected = uniform.snapshot().unwrap().0;
+        for (a, b) in film.pixels.iter().zip(&expected.pixels) {
+            if a.samples != n {
+                continue;
+            }
+            assert_eq!(a.second_samples, b.second_samples);
+            // Their blocks, which are summed in f32, end elsewhere.
+            let rounding = 256.0 * (-24_f64).exp2();
+            for c in 0..3 {
+                let near = |a: f64, b: f64, bound: f64| (a - b).abs() <= bound * b.abs();
+                assert!(near(a.mean[c], b.mean[c], rounding), "{a:?} {b:?}");
+                assert!(near(a.second_mean[c], b.second_mean[c], rounding));
+                assert!(near(a.m2[c], b.m2[c], 4.0 * rounding), "{a:?} {b:?}");
+            }
+        }
+    }
+}
+
+/// Where passes end, how the image is cut into regions, and lost devices change nothing.
+#[test]
+fn passes_regions_and_lost_devices_change_nothing() {
+    const SPP: u64 = 400;
+    let mut scene = cornell(40, 30);
+    scene.render.sampler = Sampler::Sobol;
+    let prepared = prepared(scene);
+    let context = context();
+    let mut whole = session(&context, &prepared, 0);
+    take(&mut whole, SPP);
+    let expected = whole.snapshot().unwrap();
+    let many = *counts(&expected.0).last().unwrap();
+    assert!(many > 1024, "blocks are merged: {many}");
+
+    let mut cut = Session::in_regions(&context, &prepared, prepared.scene.film, 0, 7).unwrap();
+    for to in [3, 17, 18, 60, 61, 200, SPP] {
+        let mut interruptions = 0;
+        let pass = |session: &mut Session<'_>| {
+            let mut left = 9;
+            let stop = || {
+                left -= 1;
+                left < 0
+            };
+            let samples = to.saturating_sub(session.samples());
+            session.pass(samples, stop).unwrap()
+        };
+        while pass(&mut cut) == StopReason::Interrupted || cut.samples() < to {
+            interruptions += 1;
+        }
+        assert!(to < SPP || interruptions > 0);
+    }
+    assert!(expected == cut.snapshot().unwrap());
+
+    let mut destroyed_at = vec![(300, true), (120, false), (30, true), (10, false)];
+    let open = || Context::new(None);
+    let work = |session: &mut Session<'_>| {
+        while session.samples() < SPP {
+            session.pass(5.min(SPP - session.samples()), || false)?;
+            if let Some((_, saved)) = destroyed_at.pop_if(|(at, _)| session.samples() >= *at) {
+                if saved {
+                    session.save()?;
+                }
+                session.context().device.destroy();
+            }
+        }
+        Ok(session.snapshot()?)
+    };
+    let found = render_through_losses(open, &prepared, work, |_, _| ()).unwrap();
+    assert!(destroyed_at.is_empty());
+    assert!(expected == found);
+}
+
+#[test]
+fn sessions_begin_again() {
+    let context = context();
+    let prepared = prepared(cornell(40, 30));
+    let mut one = session(&context, &prepared, 2);
+    take(&mut one, 64);
+    let expected = one.snapshot().unwrap();
+    one.reframe(
+        &prepared,
+        FilmSize {
+            width: 9,
+            height: 9,
+        },
+    )
+    .unwrap();
+    take(&mut one, 64);
+    one.reframe(&prepared, prepared.scene.film).unwrap();
+    take(&mut one, 64);
+    assert!(expected == one.snapshot().unwrap());
+}
+
+/// No light, no others to learn from: samples as without.
+#[test]
+fn without_an_error_all_pixels_have_the_same() {
+    let mut black = cornell(24, 16);
+    black.shapes.retain(|shape| shape.emission.is_none());
+    let mut pixel = cornell(1, 1);
+    pixel.render.spp = 100;
+    black.render.spp = 100;
+    for scene in [black, pixel] {
+        let film = render(&context(), scene);
+        assert_eq!(counts(&film), BTreeSet::from([100]));
+    }
+}
+
+/// The means of images whose samples are rarely bright. Broken: pixels whose own first samples tell nothing of an error get no
+/// more of them, and so remain dark too often.
+#[test]
+fn means_are_unbiased() {
+    const IMAGES: u32 = 25;
+    let mut scene = cornell(64, 64);
+    scene.render.strategy = Strategy::Bsdf;
+    scene.render.sampler = Sampler::Independent;
+    let mut exact = scene.clone();
+    (exact.render.strategy, exact.render.spp) = (Strategy::MisPower, 1 << 12);
+    (exact.render.sampler, exact.render.adaptive) = (Sampler::Sobol, false);
+    let context = context();
+    let exact = render(&context, exact);
+    let (expected, its_error) = (exact.mean()[1], exact.standard_error_of_mean().unwrap()[1]);
+
+    let prepared = prepared(scene);
+    let mut session = session(&context, &prepared, 0);
+    let mut means = [Moments::default(), Moments::default()];
+    for seed in 0..IMAGES {
+        for (adaptive, means) in [true, false].into_iter().zip(&mut means) {
+            session.set_adaptive(adaptive);
+            session.restart(seed, prepared.patterns()).unwrap();
+            take(&mut session, PILOT);
+            let pilot = session.snapshot().unwrap().0;
+            take(&mut session, 48);
+            let film = session.snapshot().unwrap().0;
+            let of_pixel = |(pilot, pixel): (&Pixel, &Pixel)| {
+                let told = pilot.half_difference().unwrap()[1] != 0.0;
+                let pixel = if adaptive || told { pixel } else { pilot };
+                pixel.mean[1]
+            };
+            let pixels = pilot.pixels.iter().zip(&film.pixels);
+            let sum: f64 = pixels.map(of_pixel).sum();
+            means.push(sum / film.pixels.len() as f64);
+        }
+    }
+    let [ours, broken] = means.map(|means| {
+        let variance = means.variance_of_mean().unwrap() + its_error * its_error;
+        z_test(means.mean, expected, variance, 2e-5 * expected).p_value
+    });
+    statistics::accept(ours, "the mean of 25 adaptive images of 64 × 64 pixels");
+    statistics::reject(broken, "the mean where a pixel's own samples have a say");
+}
+
+/// The error at the same number of samples, against an image of far more of them.
+#[test]
+fn the_error_is_smaller_at_equal_samples() {
+    let context = context();
+    let mut scene = cornell(128, 128);
+    scene.render.sampler = Sampler::Sobol;
+    scene.render.spp = 2048;
+    let truth = render(&context, scene.clone());
+    (scene.render.spp, scene.render.seed) = (64, 1);
+    let errors = [true, false].map(|adaptive| {
+        scene.render.adaptive = adaptive;
+        let film = render(&context, scene.clone());
+        let mean = truth.mean()[1];
+        let terms = film.pixels.iter().zip(&truth.pixels).map(|(found, truth)| {
+            let (x, r) = (found.mean[1], truth.mean[1]);
+            (x - r).powi(2) / (r * r + 0.01 * mean * mean)
+        });
+        terms.sum::<f64>()
+    });
+    assert!(2.0 * errors[0] < errors[1], "{errors:?}");
+}
