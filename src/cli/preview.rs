@@ -3,6 +3,7 @@
 use super::AdapterArgument;
 use super::settings::{AssetArguments, EstimatorArguments, warn};
 use crate::error::Error;
+use crate::scene::load::load_with_files;
 use crate::window::{self, Options};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -25,11 +26,13 @@ pub struct Arguments {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
-    let mut scene = arguments.assets.load(&arguments.scene)?;
+    let (scene, files) = load_with_files(&arguments.scene, &arguments.assets.options());
+    let mut scene = scene?;
     arguments.estimator.apply(&mut scene)?;
     warn(&scene);
     let options = Options {
         path: arguments.scene.clone(),
+        files,
         load: arguments.assets.options(),
         adapter: arguments.adapter.adapter.clone(),
         size: [scene.film.width, scene.film.height],

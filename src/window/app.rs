@@ -73,7 +73,6 @@ pub struct App {
     pub(super) panel: bool,
     pub(super) note: Option<Note>,
     pub(super) saving: String,
-    pub(super) context: egui::Context,
     pub(super) watch: Watch,
     moved: Option<Instant>,
     posted: Option<Job>,
@@ -99,8 +98,7 @@ impl App {
         };
         let scene = Arc::new(scene);
         Self {
-            watch: Watch::new(&options.path, waker(&creation.egui_ctx)),
-            context: creation.egui_ctx.clone(),
+            watch: Watch::new(options.files.clone(), waker(&creation.egui_ctx)),
             saving: saved_name(&options.path),
             options,
             mailbox,

@@ -1,12 +1,11 @@
 //! Files that the window opens, reads again and saves.
 
-use super::app::{App, Note, Screen, waker};
+use super::app::{App, Note, Screen};
 use super::job::Method;
 use super::lights::Lights;
 use super::save;
-use super::watch::Watch;
 use crate::error::Error;
-use crate::scene::load::load;
+use crate::scene::load::load_with_files;
 use eframe::egui;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,14 +13,21 @@ use std::sync::Arc;
 impl App {
     /// Opens another scene, or the same one again, which keeps camera, methods and lights as far as it can.
     pub(super) fn open(&mut self, path: &Path) {
-        let scene = match load(path, &self.options.load) {
+        let (scene, files) = load_with_files(path, &self.options.load);
+        let another = path != self.options.path;
+        let scene = match scene {
             Ok(scene) => scene,
             Err(error) => {
+                if !another {
+                    self.options.files.extend(files);
+                    self.watch.follow(self.options.files.clone());
+                }
                 self.say(Note::Problem(error.to_string()));
                 return;
             }
         };
-        let another = path != self.options.path;
+        self.watch.follow(files.clone());
+        self.options.files = files;
         let lights = Lights::of(&scene);
         let names = |lights: &Lights| lights.0.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
         if another || names(&lights) != names(&self.lights) {
@@ -30,7 +36,6 @@ impl App {
         if another {
             self.options.path = path.to_path_buf();
             self.saving = saved_name(path);
-            self.watch = Watch::new(path, waker(&self.context));
             self.screen = Screen::Split;
             self.edited = 0;
         }
@@ -98,13 +103,14 @@ impl App {
     }
 
     /// What the scene on screen has that its file has not.
-    fn changes(&self) -> save::Changes {
+    fn changes(&self) -> save::Changes<'_> {
         let view = self.shown_view();
         let mut settings = self.methods[view].settings;
         if let Some(picture) = &self.news.pictures[view] {
             settings.spp = picture.samples.max(1);
         }
         save::Changes {
+            lights: &self.lights,
             rig: (!self.at_home).then_some(self.rig),
             film: self.film,
             settings,

@@ -28,6 +28,7 @@ use crate::gpu::context::matches;
 use crate::scene::Scene;
 use crate::scene::load::LoadOptions;
 use eframe::egui;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -36,6 +37,8 @@ use std::sync::Arc;
 pub struct Options {
     /// The scene file.
     pub path: PathBuf,
+    /// The files that it was read from.
+    pub files: BTreeSet<PathBuf>,
     /// How it and those that are dropped on the window are read.
     pub load: LoadOptions,
     /// Part of the adapter's name; none for the best.

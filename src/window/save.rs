@@ -1,5 +1,6 @@
 //! Images and scenes, saved as they are seen.
 
+use super::lights::Lights;
 use super::navigation::Rig;
 use super::picture::Picture;
 use crate::error::{Error, InputError};
@@ -43,22 +44,25 @@ pub fn image(
 }
 
 /// What of a scene is not as its file has it.
-#[derive(Debug, Clone, Copy)]
-pub struct Changes {
+#[derive(Debug, Clone)]
+pub struct Changes<'a> {
     /// The camera, where it was moved.
     pub rig: Option<Rig>,
     /// Size of the image.
     pub film: FilmSize,
     /// The table `[render]`.
     pub settings: RenderSettings,
+    /// How lights are switched.
+    pub lights: &'a Lights,
 }
 
 /// Writes the scene of `source` with `changes` to `path`, a `.toml` file in the same folder, in which file names mean the same. The
 /// text of a TOML scene stays as it is, but for what is changed; a glTF file is included.
 ///
 /// # Errors
-/// The file is another one than that, or cannot be read or written.
-pub fn scene(path: &Path, source: &Path, changes: &Changes) -> Result<(), Error> {
+/// The file is another one than that, or cannot be read or written, or a light is switched that the TOML file does not say
+/// itself.
+pub fn scene(path: &Path, source: &Path, changes: &Changes<'_>) -> Result<(), Error> {
     let folder = |p: &Path| p.parent().map(|f| f.join(".").canonicalize().ok());
     if extension(path) != "toml" || folder(path) != folder(source) {
         return Err(Error::Usage(format!(
@@ -75,6 +79,8 @@ pub fn scene(path: &Path, source: &Path, changes: &Changes) -> Result<(), Error>
     film["width"] = value(i64::from(changes.film.width));
     film["height"] = value(i64::from(changes.film.height));
     render_table(table(&mut document, "render"), &changes.settings);
+    let lights = changes.lights.write(&mut document);
+    lights.map_err(|problem| Error::Usage(format!("{}: {problem}", path.display())))?;
     // What it says holds for the camera and the size of the file.
     document.remove("expect");
     write_atomically(path, document.to_string().as_bytes())
@@ -174,7 +180,9 @@ mod tests {
         let mut rig = Rig::of(&before.camera, bounds(&before.shapes));
         rig.orbit(0.3, 0.2);
         rig.pan(0.01, -0.02);
+        let lights = Lights::of(&before);
         let changes = Changes {
+            lights: &lights,
             rig: Some(rig),
             film: FilmSize {
                 width: 123,

@@ -1,92 +1,96 @@
 //! Files that are read again when they change.
 
 use crate::gpu::shader::SHADERS_VARIABLE;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
 /// How often files are looked at.
 const INTERVAL: Duration = Duration::from_millis(300);
 
-/// Looks at a scene file, and at shaders that are read from a folder, for as long as it lives.
+/// Looks at files, and at shaders that are read from a folder, for as long as it lives.
 #[derive(Debug)]
 pub struct Watch {
-    changed: Arc<AtomicBool>,
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    files: Mutex<BTreeSet<PathBuf>>,
+    changed: AtomicBool,
+}
+
+impl Shared {
+    fn files(&self) -> MutexGuard<'_, BTreeSet<PathBuf>> {
+        self.files.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Watch {
-    /// Looks at `scene` from now on, and calls `wake` when something has changed.
-    pub fn new(scene: &Path, wake: impl Fn() + Send + 'static) -> Self {
-        let changed = Arc::new(AtomicBool::new(false));
-        let still_asked_for = Arc::downgrade(&changed);
-        let mut files = Files::new(scene);
+    /// Looks at `files` from now on, and calls `wake` when something has changed.
+    pub fn new(files: BTreeSet<PathBuf>, wake: impl Fn() + Send + 'static) -> Self {
+        let mut known = Known::default();
+        known.have_changed(&files);
+        let shared = Arc::new(Shared {
+            files: Mutex::new(files),
+            ..Shared::default()
+        });
+        let still_asked_for = Arc::downgrade(&shared);
         std::thread::spawn(move || {
             loop {
                 std::thread::sleep(INTERVAL);
-                let Some(changed) = still_asked_for.upgrade() else {
+                let Some(shared) = still_asked_for.upgrade() else {
                     return;
                 };
-                if files.have_changed() {
-                    changed.store(true, Ordering::Release);
+                let files = shared.files().clone();
+                if known.have_changed(&files) {
+                    shared.changed.store(true, Ordering::Release);
                     wake();
                 }
             }
         });
-        Self { changed }
+        Self { shared }
+    }
+
+    /// Looks at `files` instead of those before.
+    pub fn follow(&self, files: BTreeSet<PathBuf>) {
+        *self.shared.files() = files;
     }
 
     /// Whether something has changed since it was last asked.
     pub fn has_changed(&self) -> bool {
-        self.changed.swap(false, Ordering::AcqRel)
+        self.shared.changed.swap(false, Ordering::AcqRel)
     }
 }
 
-/// The files, and what they were like.
-#[derive(Debug)]
-struct Files {
-    scene: PathBuf,
-    shaders: Option<PathBuf>,
-    known: State,
-}
-
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-struct State {
-    scene: Option<SystemTime>,
+/// What files were like.
+#[derive(Debug, Default)]
+struct Known {
+    files: BTreeMap<PathBuf, SystemTime>,
     /// The newest shader, and how many there are.
     shaders: (Option<SystemTime>, usize),
 }
 
-impl Files {
-    fn new(scene: &Path) -> Self {
-        let mut files = Self {
-            scene: scene.to_path_buf(),
-            shaders: std::env::var_os(SHADERS_VARIABLE).map(PathBuf::from),
-            known: State::default(),
-        };
-        files.known = files.look();
-        files
-    }
-
-    fn have_changed(&mut self) -> bool {
-        let state = self.look();
-        // An editor may have taken the file away to write a new one.
-        let changed = state.scene.is_some() && state != self.known;
-        if changed {
-            self.known = state;
+impl Known {
+    /// Whether one of `files`, or a shader, is not what it was when it was last looked at.
+    fn have_changed(&mut self, files: &BTreeSet<PathBuf>) -> bool {
+        let mut changed = false;
+        for file in files {
+            // An editor may have taken it away to write a new one.
+            let Some(now) = modified(file) else {
+                continue;
+            };
+            let before = self.files.insert(file.clone(), now);
+            changed |= before.is_some_and(|before| before != now);
         }
-        changed
-    }
-
-    fn look(&self) -> State {
         let mut shaders = (None, 0);
-        if let Some(folder) = &self.shaders {
-            newest(folder, &mut shaders);
+        if let Some(folder) = std::env::var_os(SHADERS_VARIABLE) {
+            newest(folder.as_ref(), &mut shaders);
         }
-        State {
-            scene: modified(&self.scene),
-            shaders,
-        }
+        let before = std::mem::replace(&mut self.shaders, shaders);
+        changed || (before.1 > 0 && before != shaders)
     }
 }
 
@@ -118,14 +122,16 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("scene.toml");
         std::fs::write(&path, "a").expect("written");
-        let mut files = Files::new(&path);
-        assert!(!files.have_changed());
+        let files = BTreeSet::from([path.clone()]);
+        let mut known = Known::default();
+        assert!(!known.have_changed(&files));
+        assert!(!known.have_changed(&files));
         let later = SystemTime::now() + Duration::from_secs(5);
         let file = std::fs::File::options().write(true).open(&path);
         file.and_then(|f| f.set_modified(later)).expect("a time");
-        assert!(files.have_changed());
-        assert!(!files.have_changed());
+        assert!(known.have_changed(&files));
+        assert!(!known.have_changed(&files));
         std::fs::remove_file(&path).expect("removed");
-        assert!(!files.have_changed());
+        assert!(!known.have_changed(&files));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::files::Folder;
 use crate::support::shared;
-use direkt::scene::load::{LoadOptions, load};
+use direkt::scene::load::{LoadOptions, load, load_with_files};
 use direkt::scene::{Geometry, Mesh, Scene};
 use glam::DVec3;
 
@@ -227,5 +227,20 @@ fn real_ply_files_load() {
         assert!(mesh(&scene).positions.len() <= vertices);
         assert!(mesh(&scene).triangles.len() <= triangles);
         assert!(mesh(&scene).triangles.len() > triangles * 9 / 10);
+    }
+}
+
+/// So that who looks at them sees it when they are mended.
+#[test]
+fn the_files_of_a_scene_are_told_even_where_one_is_broken() {
+    let folder = Folder::new();
+    let text = "[environment]\nradiance = 1\n[[shapes]]\ntype = \"mesh\"\nfile = \"m.ply\"\n";
+    let scene = folder.write("scene.toml", text);
+    for (content, right) in [(ascii(), true), ("ply\n".to_owned(), false)] {
+        let mesh = folder.write("m.ply", content);
+        let (read, files) = load_with_files(&scene, &LoadOptions::default());
+        assert_eq!(read.is_ok(), right);
+        let mesh = mesh.canonicalize().unwrap();
+        assert_eq!(files.into_iter().collect::<Vec<_>>(), [mesh, scene.clone()]);
     }
 }

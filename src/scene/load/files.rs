@@ -6,12 +6,15 @@
 use crate::error::InputError;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The folders in which names are looked up, in order, and those that a file may lie in.
 #[derive(Debug, Clone)]
 pub(super) struct Folders {
     lookup: Vec<PathBuf>,
     allowed: Vec<PathBuf>,
+    /// Files that were found, here and for files that the scene includes.
+    found: Arc<Mutex<Vec<PathBuf>>>,
 }
 
 impl Folders {
@@ -39,7 +42,17 @@ impl Folders {
         Ok(Self {
             allowed: lookup.clone(),
             lookup,
+            found: Arc::default(),
         })
+    }
+
+    /// The files that have been found so far, each as often as it was asked for.
+    pub(super) fn found(&self) -> Vec<PathBuf> {
+        self.locked().clone()
+    }
+
+    fn locked(&self) -> MutexGuard<'_, Vec<PathBuf>> {
+        self.found.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The folders for a file that the scene includes: its own folder first, then the assets.
@@ -75,6 +88,7 @@ impl Folders {
             left_all = false;
             if let Ok(canonical) = std::fs::canonicalize(&candidate) {
                 if self.is_allowed(&canonical) {
+                    self.locked().push(canonical.clone());
                     return Ok(canonical);
                 }
                 left_all = true;

@@ -18,6 +18,7 @@ mod transform;
 use super::{Emission, Geometry, Scene, validate};
 use crate::error::{Error, InputError, readable};
 use files::Folders;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// How a scene file is read.
@@ -32,11 +33,29 @@ pub struct LoadOptions {
 /// # Errors
 /// [`Error::Input`] names the file, the field in it, what is wrong there and what would be right.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, Error> {
-    let folders = Folders::of_scene(path, &options.assets)?;
+    load_with_files(path, options).0
+}
+
+/// The same, and every file that it was read from, as far as it came where it fails.
+pub fn load_with_files(
+    path: &Path,
+    options: &LoadOptions,
+) -> (Result<Scene, Error>, BTreeSet<PathBuf>) {
+    let mut files = BTreeSet::from([path.to_path_buf()]);
+    let folders = match Folders::of_scene(path, &options.assets) {
+        Ok(folders) => folders,
+        Err(error) => return (Err(error.into()), files),
+    };
+    let scene = load_from(path, &folders);
+    files.extend(folders.found());
+    (scene, files)
+}
+
+fn load_from(path: &Path, folders: &Folders) -> Result<Scene, Error> {
     let extension = files::extension(path);
     let mut scene = match extension.as_str() {
-        "toml" => toml_scene::load(path, &folders)?,
-        "gltf" | "glb" => gltf_scene::load_scene(path, &folders)?,
+        "toml" => toml_scene::load(path, folders)?,
+        "gltf" | "glb" => gltf_scene::load_scene(path, folders)?,
         _ => {
             return Err(InputError::file(
                 path,
