@@ -111,6 +111,15 @@ impl Preview {
         wait(what, || Some(()).filter(|()| is(&self.image())));
     }
 
+    /// The image ends where the panel begins.
+    fn assert_panel(&self) {
+        let screen = self.display.capture();
+        for y in (0..SIZE.1).step_by(10) {
+            let [r, g, b] = screen.get_pixel(SIZE.0 + 4, y).0;
+            assert!(r < 64 && r == g && g == b, "row {y}: {r}, {g}, {b}");
+        }
+    }
+
     /// Keeps a picture of the screen in the folder that `DIREKT_SCREENSHOTS` names.
     fn keep(&self, name: &str) {
         if let Some(folder) = std::env::var_os("DIREKT_SCREENSHOTS") {
@@ -209,6 +218,7 @@ fn a_window_is_driven_by_pointer_and_keys() {
     });
     let split = preview.image();
     preview.keep("compare");
+    preview.assert_panel();
     display.key(u32::from('2'));
     preview.wait_for_image("standard errors", |image| changed(&split, image) > 0.3);
     preview.keep("standard-error");

@@ -131,14 +131,18 @@ impl Film {
     /// scatter says; by how much is told by the replicates of the 7 × 7 pixels around.
     pub fn variances(&self) -> Option<Vec<[f64; 3]>> {
         let squares = self.squared_half_differences()?;
-        let scatter: Option<Vec<_>> = self.pixels.iter().map(|p| p.variance_of_mean()).collect();
+        let scatter: Option<Vec<_>> = self
+            .pixels
+            .par_iter()
+            .map(|p| p.variance_of_mean())
+            .collect();
         let scatter = scatter?;
         if self.sampler.is_independent() {
             return Some(scatter);
         }
         let by_replicates = box_mean(&squares, self.size, VARIANCE_RADIUS);
         let by_scatter = box_mean(&scatter, self.size, VARIANCE_RADIUS);
-        let pixels = scatter.iter().zip(by_replicates).zip(by_scatter);
+        let pixels = scatter.par_iter().zip(by_replicates).zip(by_scatter);
         let scaled = pixels.map(|((scatter, replicates), around)| {
             [0, 1, 2].map(|c| scatter[c] * replicates[c] / around[c].max(f64::MIN_POSITIVE))
         });
@@ -158,10 +162,10 @@ impl Film {
     /// what the pixel has at the least, and its square is what r² is taken for where that is more and the replicates' noise
     /// is large beside it.
     fn squared_truth(&self, noise: &[[f64; 3]]) -> Option<Vec<[SquaredTruth; 3]>> {
-        let replicates: Option<Vec<_>> = self.pixels.iter().map(Pixel::replicates).collect();
+        let replicates: Option<Vec<_>> = self.pixels.par_iter().map(Pixel::replicates).collect();
         let replicates = replicates?;
-        let values: Vec<_> = self.pixels.iter().map(|p| p.mean).collect();
-        let squares: Vec<_> = values.iter().map(|v| v.map(|v| v * v)).collect();
+        let values: Vec<_> = self.pixels.par_iter().map(|p| p.mean).collect();
+        let squares: Vec<_> = values.par_iter().map(|v| v.map(|v| v * v)).collect();
         let around = |values: &[[f64; 3]]| box_mean(values, self.size, MEAN_RADIUS);
         let (local, squares, noise_around) = (around(&values), around(&squares), around(noise));
         let others = mean_of_others(&local, &values, self.size, MEAN_RADIUS);
@@ -190,11 +194,14 @@ impl Film {
 
     fn squared_half_differences(&self) -> Option<Vec<[f64; 3]>> {
         let halves = self.half_differences()?;
-        Some(halves.into_iter().map(|h| h.map(|h| h * h)).collect())
+        Some(halves.into_par_iter().map(|h| h.map(|h| h * h)).collect())
     }
 
     fn half_differences(&self) -> Option<Vec<[f64; 3]>> {
-        self.pixels.iter().map(|p| p.half_difference()).collect()
+        self.pixels
+            .par_iter()
+            .map(|p| p.half_difference())
+            .collect()
     }
 
     /// Standard error of [`mean`](Self::mean); `None` while a pixel has not two samples, one of each replicate.
@@ -222,7 +229,11 @@ impl Film {
     /// Standard error of [`mean`](Self::mean) if each sample had been drawn by itself: too large with samplers that
     /// stratify. `None` while a pixel has fewer than two samples.
     pub fn independent_standard_error_of_mean(&self) -> Option<[f64; 3]> {
-        let variances: Option<Vec<_>> = self.pixels.iter().map(|p| p.variance_of_mean()).collect();
+        let variances: Option<Vec<_>> = self
+            .pixels
+            .par_iter()
+            .map(|p| p.variance_of_mean())
+            .collect();
         let sum = variances?.into_iter().fold([0.0; 3], add);
         Some(sum.map(|s| s.sqrt() / self.pixels.len() as f64))
     }

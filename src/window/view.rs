@@ -28,10 +28,11 @@ const MAX_PASS_SAMPLES: u64 = 32;
 const MOVING_PASS: f64 = 0.04;
 /// Largest factor by which the image is smaller then, along each side.
 const MAX_REDUCTION: f64 = 16.0;
-/// Part of the time that pictures and errors may take, in the first second and after it: one wants to see soon what comes
-/// about, and later to get on.
+/// Part of the time that pictures may take, and so looks at the error, in the first second and after it: one wants to see soon
+/// what comes about, and later to get on.
 const FIRST_SHARE: f64 = 0.25;
-const SHARE: f64 = 0.03;
+const SHARE: f64 = 0.02;
+const ERROR_SHARE: f64 = 0.03;
 /// Factor by which the samples have grown at least when a picture follows another.
 const GROWTH: f64 = 1.03;
 /// Samples without which an error is not asked for.
@@ -56,6 +57,8 @@ pub struct View<'a> {
     shown_seconds: f64,
     /// Seconds that a look at the error took, the last one.
     error_seconds: f64,
+    /// Seconds spent on looks at the error in this run.
+    error_spent: f64,
     shown_samples: u64,
     error: Option<ImageError>,
     curve: Vec<[f64; 2]>,
@@ -110,6 +113,7 @@ impl<'a> View<'a> {
             sample_seconds: 0.0,
             shown_seconds: 0.0,
             error_seconds: 0.0,
+            error_spent: 0.0,
             shown_samples: 0,
             error: None,
             curve: Vec::new(),
@@ -151,6 +155,7 @@ impl<'a> View<'a> {
         self.session.reframe(&self.prepared, film)?;
         self.session.set_dispatch_time(FIRST_DISPATCH);
         (self.seconds, self.shown_seconds, self.shown_samples) = (0.0, 0.0, 0);
+        self.error_spent = 0.0;
         self.error = None;
         self.curve.clear();
         Ok(())
@@ -237,9 +242,15 @@ impl<'a> View<'a> {
         if self.shown_samples == 0 {
             return self.samples() > 0;
         }
-        let allowed = FIRST_SHARE * self.seconds.min(1.0) + SHARE * (self.seconds - 1.0).max(0.0);
         let grown = self.samples() as f64 >= GROWTH * self.shown_samples as f64;
-        grown && self.samples() > self.shown_samples && self.shown_seconds <= allowed
+        grown
+            && self.samples() > self.shown_samples
+            && self.shown_seconds - self.error_spent <= self.allowance(SHARE)
+    }
+
+    /// Seconds that something may have taken by now of which later `share` is the part of the time.
+    fn allowance(&self, share: f64) -> f64 {
+        FIRST_SHARE * self.seconds.min(1.0) + share * (self.seconds - 1.0).max(0.0)
     }
 
     /// The image so far, with the rays traced for it.
@@ -259,6 +270,7 @@ impl<'a> View<'a> {
             let start = Instant::now();
             self.error = film.error();
             self.error_seconds = start.elapsed().as_secs_f64();
+            self.error_spent += self.error_seconds;
             if let Some(error) = self.error {
                 self.curve.push([self.seconds, error.rel_mse.sqrt()]);
             }
@@ -288,8 +300,8 @@ impl<'a> View<'a> {
         self.shown_samples = self.samples();
     }
 
-    /// Whether it is time to look at the error: both replicates have the same number of samples, which has grown by a
-    /// quarter, and the last look took little of the time since.
+    /// Whether it is time to look at the error: both replicates have the same number of samples, the time has grown by a
+    /// quarter since the last look, and another one is not too long.
     fn error_is_due(&self) -> bool {
         let samples = self.samples();
         let last = self.curve.last().map_or(0.0, |point| point[0]);
@@ -297,7 +309,7 @@ impl<'a> View<'a> {
             && samples >= FEWEST_SAMPLES
             && samples.is_multiple_of(2)
             && self.seconds >= 1.25 * last
-            && self.error_seconds <= SHARE * (self.seconds - last).max(self.seconds * 0.2)
+            && self.error_spent + self.error_seconds <= self.allowance(ERROR_SHARE)
     }
 
     /// What lies under the point `at` of the image.

@@ -11,7 +11,7 @@ use eframe::egui::{DragValue, Ui};
 /// Shows the controls of the view that is edited.
 pub fn show(app: &mut App, ui: &mut Ui) {
     let mut compared = app.methods.len() > 1;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let toggled = ui.checkbox(&mut compared, "compare two methods");
         if toggled.on_hover_text("C").changed() {
             compare(app, compared);
@@ -38,7 +38,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         &mut settings.adaptive,
         "adaptive: more samples where the error is",
     );
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let rays = DragValue::new(&mut settings.shadow_rays);
         ui.add(rays.range(1..=MAX_SHADOW_RAYS).suffix(" shadow rays"));
         let depth = DragValue::new(&mut settings.max_specular_depth);
@@ -55,7 +55,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         &mut settings.energy_compensation,
         "energy compensation of rough metals",
     );
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.add(DragValue::new(&mut settings.seed).prefix("seed "));
     });
 }

@@ -55,7 +55,7 @@ fn densities(app: &mut App, ui: &mut Ui) {
         ui.weak(format!(
             "sampling of {sampler}: density, and where samples went"
         ));
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             for picture in pictures {
                 let response = ui.image((picture.id(), Vec2::new(155.0, 77.5)));
                 response.on_hover_text(

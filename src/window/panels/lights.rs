@@ -16,7 +16,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         .id_salt("lights")
         .show_rows(ui, height, before.0.len(), |ui, rows| {
             for light in &mut app.lights.0[rows] {
-                ui.horizontal(|ui| {
+                ui.horizontal_wrapped(|ui| {
                     ui.toggle_value(&mut light.solo, "S")
                         .on_hover_text("solo: only such lights shine");
                     ui.toggle_value(&mut light.muted, "M").on_hover_text("mute");

@@ -135,23 +135,21 @@ fn view(app: &mut App, ui: &mut Ui) {
         }
     }
     if app.methods.len() > 1 {
-        ui.horizontal(|ui| {
-            ui.label("next is");
-            ui.selectable_value(
-                &mut app.turns,
-                Turns::EqualTime,
-                "who rendered for less time",
-            );
-            ui.selectable_value(&mut app.turns, Turns::EqualSamples, "who has fewer samples");
+        ui.horizontal_wrapped(|ui| {
+            ui.label("at equal");
+            ui.selectable_value(&mut app.turns, Turns::EqualTime, "time")
+                .on_hover_text("next is the one that has rendered for less time");
+            ui.selectable_value(&mut app.turns, Turns::EqualSamples, "samples")
+                .on_hover_text("next is the one that has fewer samples");
         });
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.selectable_value(&mut app.screen, Screen::Split, "split");
             for (view, name) in VIEW_NAMES.into_iter().enumerate() {
                 ui.selectable_value(&mut app.screen, Screen::One(view), name);
             }
         });
     }
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if ui.button("reset camera").on_hover_text("R").clicked() {
             app.go_home();
         }
@@ -170,7 +168,7 @@ fn lens(app: &mut App, ui: &mut Ui) {
     if app.file.camera.lens.radius <= 0.0 {
         return;
     }
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let mut lens = app.rig.lens;
         let speed = 0.01 * lens.focus_distance;
         let sharp = egui::DragValue::new(&mut lens.focus_distance);
@@ -184,7 +182,7 @@ fn lens(app: &mut App, ui: &mut Ui) {
 }
 
 fn save(app: &mut App, ui: &mut Ui) {
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.add(egui::TextEdit::singleline(&mut app.saving).desired_width(220.0));
         let image = ui
             .button("image")
@@ -194,18 +192,15 @@ fn save(app: &mut App, ui: &mut Ui) {
         }
     });
     let scene = app.scene_name();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.monospace(scene.display().to_string());
         let button = ui
             .button("scene")
-            .on_hover_text("Ctrl + Shift + S: with this camera, size and settings");
+            .on_hover_text("Ctrl + Shift + S: with this camera, size, settings and lights");
         if button.clicked() {
             app.save(&scene);
         }
     });
-    if !app.lights.are_as_in_file() {
-        ui.weak("How lights are switched is not saved with the scene.");
-    }
 }
 
 fn keys(ui: &mut Ui) {
@@ -228,7 +223,7 @@ fn keys(ui: &mut Ui) {
         ("H", "hide these controls"),
         ("F11", "full screen"),
     ] {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.monospace(keys);
             ui.weak(what);
         });
