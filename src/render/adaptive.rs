@@ -40,9 +40,9 @@ pub(super) struct Allocation {
 }
 
 impl Allocation {
-    /// How those after the `pilot` are shared out; `None` while a pixel has not two samples, or no difference between
+    /// How those after the `pilot`, of `samples` per pixel, are shared out; `None` while a pixel has not two samples, or no difference between
     /// replicates tells where the error is.
-    pub fn after(pilot: &Film) -> Option<Self> {
+    pub fn after(pilot: &Film, samples: u64) -> Option<Self> {
         let mean = pilot.mean();
         let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
         let floor = 0.01 * overall * overall;
@@ -86,7 +86,7 @@ impl Allocation {
             pixels[usize::from(*class)] += 1;
         }
         Some(Self {
-            pilot: pilot.sample_range().1,
+            pilot: samples,
             classes,
             pixels,
         })
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn samples_follow_the_root_of_the_error() {
-        let allocation = Allocation::after(&pilot()).expect("there is an error");
+        let allocation = Allocation::after(&pilot(), PILOT).expect("there is an error");
         let (low, high) = (allocation.class(0), allocation.class(31));
         // Ten times as many are 3.3 octaves of eight classes.
         assert!((high - low).abs_diff(27) <= 1, "{low}, {high}");
@@ -179,14 +179,14 @@ mod tests {
         let mut film = pilot();
         let (index, far) = (8 * 32 + 8, 0);
         film.pixels[index].second_mean = [0.0; 3];
-        let allocation = Allocation::after(&film).expect("an error");
+        let allocation = Allocation::after(&film, PILOT).expect("an error");
         assert_eq!(allocation.class(index), allocation.class(far));
         assert!(allocation.class(index + 4) > allocation.class(far) + 8);
     }
 
     #[test]
     fn the_mean_is_reached_and_hardly_exceeded() {
-        let allocation = Allocation::after(&pilot()).expect("there is an error");
+        let allocation = Allocation::after(&pilot(), PILOT).expect("there is an error");
         let at = |level| allocation.mean((0..CLASSES).map(|c| allocation.target(level, c)));
         let mut level = 0;
         for mean in [17, 20, 64, 100, 1000] {
@@ -201,6 +201,6 @@ mod tests {
         for pixel in &mut black.pixels {
             (pixel.mean, pixel.second_mean) = ([0.0; 3], [0.0; 3]);
         }
-        assert_eq!(Allocation::after(&black), None);
+        assert_eq!(Allocation::after(&black, PILOT), None);
     }
 }

@@ -3,7 +3,7 @@
 //! The image is cut into regions whose pixel states fit one binding, regions into 8 × 8 tiles. A *pass* takes every
 //! pixel a few samples further, in dispatches sized by feedback so that each stays short. Samples are accumulated in
 //! blocks of 256 in f32 on the GPU; a full block is merged into the f64 film. Where a pass is cut does not
-//! change the image: a pixel's state goes on exactly from where it stood. With [adaptive](super::adaptive) sampling
+//! change the image: a pixel's state goes on exactly from where it stood. With adaptive sampling
 //! pixels fall into classes, each with a number of samples and a block of its own.
 
 mod build;
@@ -244,7 +244,7 @@ impl<'a> Session<'a> {
         let pilot = self.samples();
         if pilot >= PILOT && pilot.is_power_of_two() {
             let (film, rays) = self.snapshot()?;
-            if let Some(allocation) = Allocation::after(&film) {
+            if let Some(allocation) = Allocation::after(&film, pilot) {
                 (self.film, self.rays) = (film, rays);
                 self.standing.share_out(allocation);
                 self.clear_all()?;

@@ -21,11 +21,11 @@ use std::time::{Duration, Instant};
 /// How long a dispatch should take, in the first second and after it: the renderer looks for a newer job between two, and
 /// short ones cost some speed.
 const FIRST_DISPATCH: Duration = Duration::from_millis(20);
-const DISPATCH: Duration = Duration::from_millis(40);
+const DISPATCH: Duration = Duration::from_millis(30);
 /// Samples of a pass at most.
 const MAX_PASS_SAMPLES: u64 = 32;
 /// Seconds that a pass should take while the camera moves.
-const MOVING_PASS: f64 = 0.04;
+const MOVING_PASS: f64 = 0.03;
 /// Largest factor by which the image is smaller then, along each side.
 const MAX_REDUCTION: f64 = 16.0;
 /// Part of the time that pictures may take, and so looks at the error, in the first second and after it: one wants to see soon
