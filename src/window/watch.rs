@@ -31,7 +31,10 @@ impl Shared {
 impl Watch {
     /// Looks at `files` from now on, and calls `wake` when something has changed.
     pub fn new(files: BTreeSet<PathBuf>, wake: impl Fn() + Send + 'static) -> Self {
-        let mut known = Known::default();
+        let mut known = Known {
+            shader_folder: std::env::var_os(SHADERS_VARIABLE).map(PathBuf::from),
+            ..Known::default()
+        };
         known.have_changed(&files);
         let shared = Arc::new(Shared {
             files: Mutex::new(files),
@@ -69,8 +72,9 @@ impl Watch {
 #[derive(Debug, Default)]
 struct Known {
     files: BTreeMap<PathBuf, SystemTime>,
-    /// The newest shader, and how many there are.
-    shaders: (Option<SystemTime>, usize),
+    shader_folder: Option<PathBuf>,
+    /// The newest shader and how many there are, once they were looked at.
+    shaders: Option<(Option<SystemTime>, usize)>,
 }
 
 impl Known {
@@ -86,11 +90,11 @@ impl Known {
             changed |= before.is_some_and(|before| before != now);
         }
         let mut shaders = (None, 0);
-        if let Some(folder) = std::env::var_os(SHADERS_VARIABLE) {
-            newest(folder.as_ref(), &mut shaders);
+        if let Some(folder) = &self.shader_folder {
+            newest(folder, &mut shaders);
         }
-        let before = std::mem::replace(&mut self.shaders, shaders);
-        changed || (before.1 > 0 && before != shaders)
+        let before = self.shaders.replace(shaders);
+        changed || before.is_some_and(|before| before != shaders)
     }
 }
 
@@ -133,5 +137,28 @@ mod tests {
         assert!(!known.have_changed(&files));
         std::fs::remove_file(&path).expect("removed");
         assert!(!known.have_changed(&files));
+    }
+
+    #[test]
+    fn shaders_that_come_change_and_go_are_seen() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let none = BTreeSet::new();
+        let mut known = Known {
+            shader_folder: Some(folder.path().to_owned()),
+            ..Known::default()
+        };
+        assert!(!known.have_changed(&none));
+        let path = folder.path().join("kernel/direct.wesl");
+        std::fs::create_dir(folder.path().join("kernel")).expect("a folder");
+        std::fs::write(&path, "a").expect("written");
+        assert!(known.have_changed(&none), "the first shader");
+        assert!(!known.have_changed(&none));
+        let later = SystemTime::now() + Duration::from_secs(5);
+        let file = std::fs::File::options().write(true).open(&path);
+        file.and_then(|f| f.set_modified(later)).expect("a time");
+        assert!(known.have_changed(&none));
+        std::fs::remove_file(&path).expect("removed");
+        assert!(known.have_changed(&none), "the last shader");
+        assert!(!known.have_changed(&none));
     }
 }

@@ -21,9 +21,9 @@ pub fn sample_in_cell(u: f64, a: f64, b: f64) -> f64 {
 pub fn sample_filter(table: &FilterTable, u: f64) -> f64 {
     let signed = 2.0 * u - 1.0;
     let below = signed.abs();
-    let cells = 0..FILTER_CELLS;
-    let cell = cells.rev().find(|&c| filter_knot(table, c).x <= below);
-    let cell = cell.unwrap_or(0);
+    let starts = &table.knots[..FILTER_CELLS];
+    let begun = starts.partition_point(|&[start, _]| f64::from(start) <= below);
+    let cell = begun.saturating_sub(1);
     let (low, high) = (filter_knot(table, cell), filter_knot(table, cell + 1));
     let part = ((below - low.x) / (high.x - low.x).max((-24_f64).exp2())).min(1.0);
     let distance =

@@ -11,6 +11,9 @@ use crate::reference::core::ray_planar::{
 use crate::reference::core::ray_sphere::intersect_sphere;
 use glam::DVec2;
 
+/// Nodes that wait for their turn: room for all of them in most scenes.
+const PENDING: usize = 32;
+
 /// Ray parameter and coordinates at which the ray meets the primitive in (0, t_max).
 pub fn intersect_primitive(ray: &Ray, p: &Primitive, t_max: f64) -> Option<(f64, DVec2)> {
     let planar = |hit: PlanarHit| {
@@ -74,7 +77,8 @@ fn traverse(
     }
     let inv_direction = ray.direction.recip();
     let mut nearest: Option<Hit> = None;
-    let mut pending = vec![(0_u32, 0.0_f64)];
+    let mut pending = Vec::with_capacity(PENDING);
+    pending.push((0_u32, 0.0_f64));
     while let Some((index, enter)) = pending.pop() {
         let limit = nearest.map_or(t_max, |h| h.t);
         if enter > limit {
