@@ -60,6 +60,11 @@ impl Film {
         self.error_at(CONFIDENCE)
     }
 
+    /// The same, unless `stop`, which is asked now and then, says that nobody waits for it any more: then `None`, soon.
+    pub fn error_unless(&self, stop: impl Fn() -> bool) -> Option<ImageError> {
+        self.look(CONFIDENCE, stop)
+    }
+
     /// The image's error, its interval holding with the probability `confidence`; `None` while a pixel has not two
     /// samples, one of each replicate, or when the image is black.
     ///
@@ -69,15 +74,25 @@ impl Film {
     /// denominators with their noise added to them, and the interval is so much wider. Its upper end allows besides for pixels
     /// that are bright by chance: their denominators may be those that the lesser replicate and the pixels around suggest.
     pub fn error_at(&self, confidence: f64) -> Option<ImageError> {
+        self.look(confidence, || false)
+    }
+
+    fn look(&self, confidence: f64, stop: impl Fn() -> bool) -> Option<ImageError> {
         let mean = self.mean();
         let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
         let floor = 0.01 * overall * overall;
         let noise = self.squared_half_differences()?;
-        if floor <= 0.0 {
+        if floor <= 0.0 || stop() {
             return None;
         }
         let truth = self.squared_truth(&noise)?;
+        if stop() {
+            return None;
+        }
         let variances = self.variances()?;
+        if stop() {
+            return None;
+        }
         let pixels = noise.par_iter().zip(&truth).zip(&variances);
         let terms = pixels.map(|((noise, truth), variances)| {
             let (mut term, mut with_noise, mut at_most) = (0.0, 0.0, 0.0);

@@ -77,7 +77,7 @@ pub struct App {
     moved: Option<Instant>,
     posted: Option<Job>,
     /// When jobs were posted that have no picture yet.
-    waiting: Vec<(u64, Instant)>,
+    waiting: Vec<Waiting>,
     /// Frames drawn, since when.
     frames: (u32, Instant),
     title: String,
@@ -251,12 +251,13 @@ impl App {
 
     /// Tells how long the job `version` waited for its first picture.
     fn answered(&mut self, version: u64) {
-        let answered = |posted: &(u64, Instant)| posted.0 <= version;
+        let answered = |posted: &Waiting| posted.version <= version;
         let last = self.waiting.iter().rfind(|p| answered(p)).copied();
         self.waiting.retain(|p| !answered(p));
-        if let Some((job, posted)) = last.filter(|_| self.options.verbose) {
-            let milliseconds = posted.elapsed().as_secs_f64() * 1e3;
-            eprintln!("direkt: job {job}: first picture after {milliseconds:.1} ms");
+        if let Some(job) = last.filter(|_| self.options.verbose) {
+            let milliseconds = job.posted.elapsed().as_secs_f64() * 1e3;
+            let (version, kind) = (job.version, if job.moving { "moving" } else { "at rest" });
+            eprintln!("direkt: job {version}, {kind}: first picture after {milliseconds:.1} ms");
         }
     }
 
@@ -312,7 +313,11 @@ impl App {
             return;
         }
         let version = self.mailbox.post(job.clone());
-        self.waiting.push((version, Instant::now()));
+        self.waiting.push(Waiting {
+            version,
+            posted: Instant::now(),
+            moving,
+        });
         self.posted = Some(job);
     }
 
@@ -352,6 +357,15 @@ impl eframe::App for App {
             let _ = renderer.join();
         }
     }
+}
+
+/// A job without a picture yet.
+#[derive(Debug, Clone, Copy)]
+struct Waiting {
+    version: u64,
+    posted: Instant,
+    /// Whether the camera moves.
+    moving: bool,
 }
 
 /// What another thread calls when there is something new to show.

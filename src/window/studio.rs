@@ -94,8 +94,10 @@ impl<'a> Studio<'a> {
         if !posted.job.paused {
             let next = self.next_view(&posted.job);
             let (mailbox, version) = (self.mailbox, posted.version);
-            self.views[next].pass(|| mailbox.is_newer_than(version))?;
-            if self.views[next].is_due() {
+            let newer = || mailbox.is_newer_than(version);
+            self.views[next].pass(newer)?;
+            // While the camera moves there is always something newer, and an old picture is better than none.
+            if self.views[next].is_due() && (posted.job.moving || !newer()) {
                 self.show(next, &posted)?;
             }
         }
@@ -214,7 +216,10 @@ impl<'a> Studio<'a> {
         let other = other.map(View::snapshot).transpose()?;
         let other = other.map(|(film, _)| film);
         let view = &mut self.views[index];
-        let picture = view.picture(snapshot, other.as_ref(), &posted.job, posted.version);
+        let (mailbox, version) = (self.mailbox, posted.version);
+        let picture = view.picture(snapshot, other.as_ref(), (&posted.job, version), || {
+            mailbox.is_newer_than(version)
+        });
         let picture = Some(Arc::new(picture));
         view.shown(start.elapsed().as_secs_f64());
         self.mailbox.tell(|news| news.pictures[index] = picture);

@@ -23,9 +23,9 @@ use std::time::{Duration, Instant};
 const FIRST_DISPATCH: Duration = Duration::from_millis(20);
 const DISPATCH: Duration = Duration::from_millis(30);
 /// Samples of a pass at most.
-const MAX_PASS_SAMPLES: u64 = 32;
+const MAX_PASS_SAMPLES: u64 = 16;
 /// Seconds that a pass should take while the camera moves.
-const MOVING_PASS: f64 = 0.03;
+const MOVING_PASS: f64 = 0.025;
 /// Largest factor by which the image is smaller then, along each side.
 const MAX_REDUCTION: f64 = 16.0;
 /// Part of the time that pictures may take, and so looks at the error, in the first second and after it: one wants to see soon
@@ -258,21 +258,25 @@ impl<'a> View<'a> {
         self.session.snapshot()
     }
 
-    /// A picture of `film` beside that of the `other` view.
+    /// A picture of `film` beside that of the `other` view, with its error if that is due and `stop` does not say otherwise.
     pub fn picture(
         &mut self,
         (film, rays): (Film, RayCounts),
         other: Option<&Film>,
-        job: &Job,
-        version: u64,
+        (job, version): (&Job, u64),
+        stop: impl Fn() -> bool,
     ) -> Picture {
         if self.error_is_due() {
             let start = Instant::now();
-            self.error = film.error();
-            self.error_seconds = start.elapsed().as_secs_f64();
-            self.error_spent += self.error_seconds;
-            if let Some(error) = self.error {
+            let error = film.error_unless(&stop);
+            let seconds = start.elapsed().as_secs_f64();
+            self.error_spent += seconds;
+            if let Some(error) = error {
+                self.error_seconds = seconds;
                 self.curve.push([self.seconds, error.rel_mse.sqrt()]);
+            }
+            if !stop() {
+                self.error = error;
             }
         }
         Picture {

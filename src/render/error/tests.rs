@@ -162,3 +162,17 @@ fn tiles_add_up() {
         assert!((sum[0] - expected).abs() < 1e-12);
     }
 }
+
+#[test]
+fn a_look_that_nobody_waits_for_ends_without_an_error() {
+    let mut stream = Stream::new(7);
+    let film = film(Sampler::Sobol, |_| 0.1 * stream.normal());
+    assert_eq!(film.error_unless(|| false), film.error());
+    assert!(film.error().is_some());
+    for asked in 0..3 {
+        let calls = std::cell::Cell::new(0);
+        let stop = || calls.replace(calls.get() + 1) >= asked;
+        assert_eq!(film.error_unless(stop), None, "stopped at question {asked}");
+        assert_eq!(calls.get(), asked + 1);
+    }
+}

@@ -11,10 +11,10 @@ use std::ops::Range;
 
 /// Pixels of a row: those of one workgroup.
 const ROW: usize = TILE_PIXELS as usize;
-/// Distances between successive rows of pixels on a driver in software, of which the first that is coprime to the number of
-/// rows is taken. Such a driver hands each of its threads a contiguous part of a dispatch: if that were a contiguous part of the
-/// image, some threads would have the dear one, and the others would wait for them.
-const SOFTWARE_STRIDES: [usize; 3] = [17, 19, 23];
+/// Part of all rows of pixels that lies between successive ones on a driver in software. Such a driver hands each of its
+/// threads a contiguous part of a dispatch: if that were a contiguous part of the image, some threads would have the dear one, and
+/// the others would wait for them. Multiples of the golden ratio are spread evenly, as many or few of them as are taken.
+const SOFTWARE_STRIDE: f64 = 0.618_033_988_749_895;
 /// Beyond the last pixel of a row, `NONE` in the kernel.
 const NONE: u32 = u32::MAX;
 
@@ -117,7 +117,7 @@ impl Region {
             pixels.resize(pixels.len().next_multiple_of(ROW), NONE);
             let first = self.order.len() / ROW;
             let rows = pixels.len() / ROW;
-            let stride = stride(context, rows);
+            let stride = stride(context.adapter.software, rows);
             for i in 0..rows {
                 let row = &pixels[i * stride % rows * ROW..][..ROW];
                 self.order.extend_from_slice(row);
@@ -131,12 +131,24 @@ impl Region {
     }
 }
 
-/// How many rows lie between those that are taken one after the other, out of `rows`.
-fn stride(context: &Context, rows: usize) -> usize {
-    let strides = SOFTWARE_STRIDES.into_iter();
-    let mut coprime =
-        strides.filter(|stride| context.adapter.software && !rows.is_multiple_of(*stride));
-    coprime.next().unwrap_or(1)
+/// How many rows lie between those that are taken one after the other, out of `rows`: so many that all are taken.
+fn stride(software: bool, rows: usize) -> usize {
+    if !software {
+        return 1;
+    }
+    let golden = (rows as f64 * SOFTWARE_STRIDE).round() as usize;
+    let mut stride = golden.max(1);
+    while !are_coprime(stride, rows) {
+        stride += 1;
+    }
+    stride
+}
+
+fn are_coprime(mut a: usize, mut b: usize) -> bool {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a == 1
 }
 
 /// Groups of lights that the kernel keeps apart.
@@ -160,4 +172,41 @@ pub(super) fn most_tiles(context: &Context, groups: u32) -> u32 {
     let of_tile = u64::from(TILE_PIXELS) * u64::from(groups) * size_of::<GroupMean>() as u64;
     let rows = u32::try_from(most / of_tile).unwrap_or(u32::MAX);
     rows.saturating_sub(CLASSES as u32).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_is_taken_once() {
+        for rows in 1..300 {
+            for software in [false, true] {
+                let stride = stride(software, rows);
+                let mut taken: Vec<_> = (0..rows).map(|i| i * stride % rows).collect();
+                taken.sort_unstable();
+                assert_eq!(taken, Vec::from_iter(0..rows), "{rows} rows");
+            }
+        }
+    }
+
+    /// Each of two threads gets as much of every eighth of the image, but for 3 rows of about 9, whichever rows a dispatch takes.
+    #[test]
+    fn halves_of_a_dispatch_are_alike() {
+        const ROWS: usize = 4096;
+        const HALF: usize = 73;
+        let stride = stride(true, ROWS);
+        for first in (0..ROWS - 2 * HALF).step_by(HALF) {
+            let eighths = |first: usize| {
+                let mut count = [0_i32; 8];
+                for i in first..first + HALF {
+                    count[i * stride % ROWS * 8 / ROWS] += 1;
+                }
+                count
+            };
+            let (a, b) = (eighths(first), eighths(first + HALF));
+            let alike = a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 3);
+            assert!(alike, "from {first}: {a:?} and {b:?}");
+        }
+    }
 }
