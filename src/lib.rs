@@ -102,6 +102,7 @@ pub mod effects;
 pub mod emitters;
 pub mod error;
 pub mod explain;
+mod golden;
 pub mod gpu;
 pub mod image;
 pub mod lab;

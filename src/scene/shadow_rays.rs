@@ -1,6 +1,7 @@
 //! Several shadow rays per camera ray: how many, and where on the lights they end.
 
 use super::choice::choice;
+use crate::golden;
 
 /// Most shadow rays per camera ray, and with light selection `all` per light.
 pub const MAX_SHADOW_RAYS: u32 = 1024;
@@ -45,7 +46,7 @@ impl ShadowGrid {
     pub fn new(rays: u32) -> Self {
         let divides = |rows: &u32| rays.is_multiple_of(*rows);
         let rows = (1..=rays.isqrt()).rev().find(divides).unwrap_or(1);
-        let generator = golden_coprime(rays);
+        let generator = golden::coprime(rays);
         let step = |k: u64| ((k << 32) / u64::from(rays)) as u32;
         let square = u64::from(generator).pow(2) % u64::from(rays);
         Self {
@@ -55,21 +56,6 @@ impl ShadowGrid {
             steps: [step(u64::from(generator)), step(square)],
         }
     }
-}
-
-/// The number without a factor in common with `n` that is nearest to the golden section of it; 0 for 1.
-fn golden_coprime(n: u32) -> u32 {
-    let golden = f64::from(n) * 0.618_033_988_749_894_8;
-    let coprime = |k: &u32| gcd(*k, n) == 1;
-    let distance = |k: &u32| (f64::from(*k) - golden).abs();
-    let candidates = (1..n).filter(coprime);
-    candidates
-        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-        .unwrap_or(0)
-}
-
-fn gcd(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 #[cfg(test)]

@@ -268,15 +268,13 @@ impl<'a> View<'a> {
     ) -> Picture {
         if self.error_is_due() {
             let start = Instant::now();
-            let error = film.error_unless(&stop);
+            let error = film.error_unless(stop);
             let seconds = start.elapsed().as_secs_f64();
             self.error_spent += seconds;
             if let Some(error) = error {
                 self.error_seconds = seconds;
+                self.error = Some(error);
                 self.curve.push([self.seconds, error.rel_mse.sqrt()]);
-            }
-            if !stop() {
-                self.error = error;
             }
         }
         Picture {

@@ -1,6 +1,7 @@
 //! A part of the image whose pixels share buffers.
 
 use crate::effects::Effect;
+use crate::golden;
 use crate::gpu::kernel::{OwnBindings, PassBuffers, RegionBindings, SceneKernel};
 use crate::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS, lane_pixel};
 use crate::gpu::{Context, GpuBuffer};
@@ -11,10 +12,6 @@ use std::ops::Range;
 
 /// Pixels of a row: those of one workgroup.
 const ROW: usize = TILE_PIXELS as usize;
-/// Part of all rows of pixels that lies between successive ones on a driver in software. Such a driver hands each of its
-/// threads a contiguous part of a dispatch: if that were a contiguous part of the image, some threads would have the dear one, and
-/// the others would wait for them. Multiples of the golden ratio are spread evenly, as many or few of them as are taken.
-const SOFTWARE_STRIDE: f64 = 0.618_033_988_749_895;
 /// Beyond the last pixel of a row, `NONE` in the kernel.
 const NONE: u32 = u32::MAX;
 
@@ -132,23 +129,15 @@ impl Region {
 }
 
 /// How many rows lie between those that are taken one after the other, out of `rows`: so many that all are taken.
+///
+/// A driver in software hands each of its threads a contiguous part of a dispatch: if that were a contiguous part of the image,
+/// some threads would have the dear one, and the others would wait for them.
 fn stride(software: bool, rows: usize) -> usize {
-    if !software {
-        return 1;
+    if software {
+        golden::coprime(rows as u32) as usize
+    } else {
+        1
     }
-    let golden = (rows as f64 * SOFTWARE_STRIDE).round() as usize;
-    let mut stride = golden.max(1);
-    while !are_coprime(stride, rows) {
-        stride += 1;
-    }
-    stride
-}
-
-fn are_coprime(mut a: usize, mut b: usize) -> bool {
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a == 1
 }
 
 /// Groups of lights that the kernel keeps apart.
