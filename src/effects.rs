@@ -85,6 +85,8 @@ effects! {
     EnergyCompensation "ENERGY_COMPENSATION" "energy-compensation" Simulation |r| r.energy_compensation();
     /// Vertex normals between which shading normals are interpolated.
     SmoothNormals "SMOOTH_NORMALS" "smooth-normals" Simulation |r| r.attributed(|a| a.normals);
+    /// Vertex colours: factors on reflectance or base colour, and on opacity.
+    VertexColors "VERTEX_COLORS" "vertex-colors" Simulation |r| r.attributed(|a| a.colors);
     /// Textures of reflectance or base colour.
     ColorTexture "COLOR_TEXTURE" "color-texture" Simulation |r| r.texture(|t| t.color);
     /// Textures of metallic and roughness.

@@ -1,40 +1,49 @@
-//! What triangles carry beside their geometry: vertex normals and texture coordinates.
+//! What triangles carry beside their geometry: vertex normals, texture coordinates and vertex colours.
 //!
-//! Rounded here to what the GPU gets, so that its twin in f64 interpolates the same numbers.
+//! Held as the words that the GPU reads (`shaders/scene/attributes.wesl`), so that its twin in f64 interpolates the same
+//! numbers.
 
 use super::octahedral::octahedral;
 use super::{Primitive, PrimitiveGeometry};
 use crate::scene::texture::{disk_uv, rectangle_uv};
 use crate::scene::{Geometry, Mesh, Scene};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec4};
 
-/// What a triangle carries.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct TriangleAttributes {
-    /// Normals at its vertices, octahedrally encoded.
-    pub normals: [[f32; 2]; 3],
-    /// Texture coordinates at its vertices.
-    pub uvs: [[f32; 2]; 3],
-}
+/// Words of a triangle's normals and texture coordinates, where it has either.
+const NORMAL_AND_UV_WORDS: usize = 3;
 
 /// Which attributes a primitive has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Attributed {
-    /// Its place in the list of attributes, where it is a triangle that has any.
-    pub index: u32,
+    /// Index of its first word in [`Attributes::words`], where it is a triangle that has any.
+    pub word: u32,
     /// Vertex normals that are not its own.
     pub normals: bool,
     /// Texture coordinates that its material reads.
     pub uvs: bool,
+    /// Vertex colours that are not all white and opaque.
+    pub colors: bool,
     /// An opacity that is not 1 everywhere.
     pub opacity: bool,
+}
+
+impl Attributed {
+    fn color_word(&self) -> usize {
+        let before = if self.normals || self.uvs {
+            NORMAL_AND_UV_WORDS
+        } else {
+            0
+        };
+        self.word as usize + before
+    }
 }
 
 /// The attributes of all primitives.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Attributes {
-    /// Those of triangles.
-    pub triangles: Vec<TriangleAttributes>,
+    /// Per triangle that has any: three words of its normals (octahedrally encoded) and texture coordinates, where it has
+    /// either, then one word for the colour of each vertex, where it has colours.
+    pub words: Vec<[f32; 4]>,
     /// Per primitive.
     pub of_primitive: Vec<Attributed>,
 }
@@ -47,52 +56,88 @@ impl Attributes {
     pub fn new(scene: &Scene, primitives: &[Primitive]) -> Self {
         let mut attributes = Self::default();
         for primitive in primitives {
-            let mut attributed = attributes.add(scene, primitive);
-            let opacity = &scene.materials[primitive.material.index()].opacity;
-            let varies = attributed.uvs && opacity.texture.is_some();
-            attributed.opacity = varies || opacity.untextured() < 1.0;
+            let attributed = attributes.add(scene, primitive);
             attributes.of_primitive.push(attributed);
         }
         attributes
+    }
+
+    /// Octahedrally encoded normals at the vertices of the triangle `of`, which has them.
+    pub fn normals(&self, of: &Attributed) -> [[f32; 2]; 3] {
+        let first = of.word as usize;
+        let ([ax, ay, bx, by], [cx, cy, ..]) = (self.words[first], self.words[first + 1]);
+        [[ax, ay], [bx, by], [cx, cy]]
+    }
+
+    /// Texture coordinates at the vertices of the triangle `of`, which has them.
+    pub fn uvs(&self, of: &Attributed) -> [[f32; 2]; 3] {
+        let first = of.word as usize;
+        let ([.., ax, ay], [bx, by, cx, cy]) = (self.words[first + 1], self.words[first + 2]);
+        [[ax, ay], [bx, by], [cx, cy]]
+    }
+
+    /// Colours at the vertices of the triangle `of`, which has them: linear red, green, blue, and alpha.
+    pub fn colors(&self, of: &Attributed) -> [[f32; 4]; 3] {
+        let first = of.color_word();
+        [0, 1, 2].map(|corner| self.words[first + corner])
     }
 
     fn add(&mut self, scene: &Scene, primitive: &Primitive) -> Attributed {
         let material = &scene.materials[primitive.material.index()];
         let textured = material.texture_uses().next().is_some();
         let none = Attributed::default();
-        let (u, v) = match primitive.geometry {
-            PrimitiveGeometry::Sphere { .. } => return none,
+        let (mut attributed, alpha) = match primitive.geometry {
+            PrimitiveGeometry::Sphere { .. } => (none, 1.0),
             PrimitiveGeometry::Rectangle { .. } | PrimitiveGeometry::Disk { .. } => {
-                return Attributed {
-                    uvs: textured,
-                    ..none
-                };
+                let uvs = textured;
+                (Attributed { uvs, ..none }, 1.0)
             }
-            PrimitiveGeometry::Triangle { u, v, .. } => (u, v),
+            PrimitiveGeometry::Triangle { u, v, .. } => {
+                let uvs = textured.then(|| texture_coordinates(scene, primitive));
+                match &scene.shapes[primitive.shape.index()].geometry {
+                    Geometry::Mesh(mesh) => {
+                        let corners = mesh.triangles[primitive.part as usize];
+                        self.add_triangle(mesh, corners, u.cross(v).normalize(), uvs.flatten())
+                    }
+                    _ => (none, 1.0),
+                }
+            }
         };
-        let Geometry::Mesh(mesh) = &scene.shapes[primitive.shape.index()].geometry else {
-            return none;
-        };
-        let corners = mesh.triangles[primitive.part as usize].map(|i| i as usize);
-        let normals = vertex_normals(mesh, corners, u.cross(v).normalize());
-        let uvs = textured
-            .then(|| texture_coordinates(scene, primitive))
-            .flatten();
-        if normals.is_none() && uvs.is_none() {
-            return none;
-        }
-        self.triangles.push(TriangleAttributes {
-            normals: normals
-                .unwrap_or_default()
-                .map(|n| octahedral(n).as_vec2().to_array()),
-            uvs: uvs.unwrap_or_default().map(|uv| uv.as_vec2().to_array()),
-        });
-        Attributed {
-            index: self.triangles.len() as u32 - 1,
+        let opacity = &material.opacity;
+        let textured = attributed.uvs && opacity.texture.is_some();
+        attributed.opacity = textured || alpha < 1.0 || opacity.untextured() < 1.0;
+        attributed
+    }
+
+    /// Adds the words of a triangle whose normal is `own`. Returns its least vertex alpha as well.
+    fn add_triangle(
+        &mut self,
+        mesh: &Mesh,
+        corners: [u32; 3],
+        own: DVec3,
+        uvs: Option<[DVec2; 3]>,
+    ) -> (Attributed, f32) {
+        let corners = corners.map(|i| i as usize);
+        let normals = vertex_normals(mesh, corners, own);
+        let colors = vertex_colors(mesh, corners);
+        let any = normals.is_some() || uvs.is_some() || colors.is_some();
+        let attributed = Attributed {
+            word: if any { self.words.len() as u32 } else { 0 },
             normals: normals.is_some(),
             uvs: uvs.is_some(),
-            ..none
+            colors: colors.is_some(),
+            opacity: false,
+        };
+        if normals.is_some() || uvs.is_some() {
+            let normals = normals.unwrap_or_default();
+            let [a, b, c] = normals.map(|n| octahedral(n).as_vec2().to_array());
+            let [d, e, f] = uvs.unwrap_or_default().map(|uv| uv.as_vec2().to_array());
+            let word = |[x, y]: [f32; 2], [z, w]: [f32; 2]| [x, y, z, w];
+            self.words.extend([word(a, b), word(c, d), word(e, f)]);
         }
+        let colors = colors.into_iter().flatten();
+        self.words.extend(colors.clone().map(|c| c.to_array()));
+        (attributed, colors.fold(1.0, |least, c| c.w.min(least)))
     }
 }
 
@@ -107,6 +152,15 @@ fn vertex_normals(mesh: &Mesh, corners: [usize; 3], own: DVec3) -> Option<[DVec3
     };
     let flat = [a, b, c].iter().all(|n| n.dot(own) > FLAT);
     (!flat).then_some([a, b, c])
+}
+
+/// Vertex colours, where there are any and not all of them are white and opaque.
+fn vertex_colors(mesh: &Mesh, corners: [usize; 3]) -> Option<[Vec4; 3]> {
+    if mesh.colors.is_empty() {
+        return None;
+    }
+    let colors = corners.map(|i| mesh.colors[i]);
+    colors.iter().any(|c| *c != Vec4::ONE).then_some(colors)
 }
 
 /// Texture coordinates at a primitive's points a, a + u and a + v; `None` where it has none.

@@ -139,6 +139,9 @@ impl Rules<'_> {
             if let Some(used) = opacity.texture.filter(|_| attributes.uvs) {
                 said += &format!(" × {}", self.scene.textures[used.texture.index()].source);
             }
+            if attributes.colors {
+                said += " × vertex alpha";
+            }
             if let Some(cutoff) = opacity.cutoff {
                 said += &format!(", cutoff {cutoff}");
             }

@@ -138,7 +138,8 @@ fn scene_types(effects: &Effects) -> Vec<(u32, wgpu::BindingType)> {
     }
     let data = [Effect::RoughnessTexture, Effect::NormalMap];
     let colors = [Effect::ColorTexture, Effect::AlphaTexture];
-    if any(&data) || any(&colors) || any(&[Effect::SmoothNormals]) {
+    let of_vertices = [Effect::SmoothNormals, Effect::VertexColors];
+    if any(&data) || any(&colors) || any(&of_vertices) {
         types.push((7, READ));
     }
     if any(&colors) || any(&[Effect::EmissiveTexture]) {

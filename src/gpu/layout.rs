@@ -273,8 +273,10 @@ shared! {
     "scene::fetch" HAS_UVS = 2;
     /// Set where a primitive has an opacity.
     "scene::fetch" HAS_OPACITY = 4;
-    /// Bits below a primitive's place among the triangles with attributes.
-    "scene::fetch" ATTRIBUTE_BITS = 3;
+    /// Set where a primitive has vertex colours.
+    "scene::fetch" HAS_COLORS = 8;
+    /// Bits below the first word of a primitive's attributes.
+    "scene::fetch" ATTRIBUTE_BITS = 4;
     /// Words of a textured material.
     "scene::textured" TEXTURED_WORDS = 4;
     /// An image again outside of itself.

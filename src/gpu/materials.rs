@@ -9,12 +9,12 @@ use super::scene_buffers::{Word, bits, word};
 use super::textures::Atlas;
 use crate::scene::light::Interpolation;
 use crate::scene::material::{BsdfParameters, Fresnel};
-use crate::scene::{Bsdf, Material, Scene, TextureUse, Wrap};
+use crate::scene::{Bsdf, Geometry, Material, Scene, TextureUse, Wrap};
 use glam::DVec3;
 
 /// Words of materials and textures.
 pub(super) struct MaterialWords {
-    /// [`MATERIAL_WORDS`] per material; behind them [`TEXTURED_WORDS`] per textured one, and three per use of a texture.
+    /// [`MATERIAL_WORDS`] per material; behind them [`TEXTURED_WORDS`] per one that varies, and three per use of a texture.
     pub(super) words: Vec<Word>,
     /// Per shape, the word at which the texture of what it emits begins; [`NONE`] where it has none.
     pub(super) emission: Vec<u32>,
@@ -26,9 +26,9 @@ pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Mate
     let mut words: Vec<Word> = materials
         .flat_map(|m| one_material(&m.bsdf.parameters(), scene.render.energy_compensation))
         .collect();
-    let further = |m: &Material| m.texture_uses().next().is_some() || m.opacity.untextured() < 1.0;
-    let textured = scene.materials.iter().enumerate();
-    for (index, material) in textured.filter(|(_, m)| further(m)) {
+    let colored = under_vertex_colors(scene);
+    let varied = scene.materials.iter().enumerate();
+    for (index, material) in varied.filter(|(i, m)| colored[*i] || has_more_words(m)) {
         let first = words.len() as u32;
         words[index * MATERIAL_WORDS as usize + MATERIAL_WORDS as usize - 1][3] = first;
         words.extend(textured_words(material));
@@ -72,6 +72,21 @@ pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Mate
     MaterialWords { words, emission }
 }
 
+/// Per material, whether a mesh with vertex colours has it.
+fn under_vertex_colors(scene: &Scene) -> Vec<bool> {
+    let mut colored = vec![false; scene.materials.len()];
+    for shape in &scene.shapes {
+        if matches!(&shape.geometry, Geometry::Mesh(mesh) if !mesh.colors.is_empty()) {
+            colored[shape.material.index()] = true;
+        }
+    }
+    colored
+}
+
+fn has_more_words(material: &Material) -> bool {
+    material.texture_uses().next().is_some() || material.opacity.untextured() < 1.0
+}
+
 fn one_material(p: &BsdfParameters, compensated: bool) -> [Word; MATERIAL_WORDS as usize] {
     let none = Fresnel::Schlick {
         f0: DVec3::ZERO,
@@ -104,7 +119,7 @@ fn one_material(p: &BsdfParameters, compensated: bool) -> [Word; MATERIAL_WORDS 
     ]
 }
 
-/// What the textures of a material are factors on: base colour and roughness; F₀ of the dielectric and metallic; room for the
+/// What the textures of a material and vertex colours are factors on: base colour and roughness; F₀ of the dielectric and metallic; room for the
 /// indices of the textures; F₉₀ of the dielectric, and room for the opacity. A conductor is a metal of the metallic-roughness model here. The
 /// roughness of what is no case of it is −1: there only a colour counts.
 fn textured_words(material: &Material) -> [Word; TEXTURED_WORDS as usize] {

@@ -4,8 +4,8 @@ use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::environment::EnvironmentBuffers;
 use super::layout::{
-    ATTRIBUTE_BITS, EMISSION_MASK, FILTER_WORDS, Frame, HAS_NORMALS, HAS_OPACITY, HAS_UVS,
-    KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, NONE, ONE_SIDED_BIT, TILE,
+    ATTRIBUTE_BITS, EMISSION_MASK, FILTER_WORDS, Frame, HAS_COLORS, HAS_NORMALS, HAS_OPACITY,
+    HAS_UVS, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, NONE, ONE_SIDED_BIT, TILE,
 };
 use super::lights::{choice_words, emission_cell_words, first_emission_word, light_words};
 use super::materials::{MaterialWords, material_words};
@@ -38,8 +38,8 @@ pub struct SceneBuffers {
     pub light_choice: GpuBuffer<Word>,
     /// The environment map; a texel where there is none.
     pub environment: EnvironmentBuffers,
-    /// Three words per triangle with vertex normals or texture coordinates.
-    pub attributes: GpuBuffer<Word>,
+    /// Words of [`Attributes`](crate::accel::Attributes).
+    pub attributes: GpuBuffer<[f32; 4]>,
     /// Textures of materials and lights.
     pub textures: TextureArrays,
     /// One word per cell of the maps of emission.
@@ -54,7 +54,8 @@ impl SceneBuffers {
     pub fn new(context: &Context, prepared: &Prepared) -> Result<Self, GpuError> {
         check_maps(context, prepared)?;
         let primitives = primitive_words(prepared);
-        let attributes = attribute_words(prepared);
+        let attributes = prepared.attributes.words.as_slice();
+        check_attributes(context, prepared)?;
         let textures = TextureArrays::new(context, &prepared.scene)?;
         let places = [&textures.colors.atlas, &textures.data.atlas];
         let MaterialWords {
@@ -71,8 +72,8 @@ impl SceneBuffers {
             ),
             ("the primitives", size_of_val(primitives.as_slice())),
             (
-                "the vertex normals and texture coordinates",
-                size_of_val(attributes.as_slice()),
+                "the vertex normals, texture coordinates and colours",
+                size_of_val(attributes),
             ),
             ("the materials", size_of_val(materials.as_slice())),
             ("the lights", size_of_val(lights.as_slice())),
@@ -99,7 +100,7 @@ impl SceneBuffers {
             lights: GpuBuffer::storage(device, "scene.lights", &lights),
             light_choice: GpuBuffer::storage(device, "scene.light_choice", &choice),
             environment,
-            attributes: GpuBuffer::storage(device, "scene.attributes", &attributes),
+            attributes: GpuBuffer::storage(device, "scene.attributes", attributes),
             textures,
             emission_cells: GpuBuffer::storage(device, "scene.emission_cells", &cells),
         })
@@ -115,7 +116,7 @@ impl SceneBuffers {
         let [colors, data] = atlases(scene);
         let materials = material_words(scene, [&colors, &data]);
         let lights = light_words(prepared, &materials.emission).len();
-        let attributes = 3 * prepared.attributes.triangles.len();
+        let attributes = prepared.attributes.words.len();
         let mut sizes = vec![
             ("scene.nodes", nodes as u64),
             ("scene.primitives", words(3 * prepared.primitives.len())),
@@ -150,6 +151,21 @@ fn check_maps(context: &Context, prepared: &Prepared) -> Result<(), GpuError> {
     }
     Err(GpuError::TooMany {
         what: "triangles that emit a texture".to_owned(),
+        needed,
+        limit,
+        adapter: context.adapter.name.clone(),
+    })
+}
+
+/// A primitive holds the index of its first word in 32 bits, less those of its flags.
+fn check_attributes(context: &Context, prepared: &Prepared) -> Result<(), GpuError> {
+    let needed = prepared.attributes.words.len() as u64;
+    let limit = 1 << (u32::BITS - ATTRIBUTE_BITS);
+    if needed <= limit {
+        return Ok(());
+    }
+    Err(GpuError::TooMany {
+        what: "words of vertex normals, texture coordinates and colours".to_owned(),
         needed,
         limit,
         adapter: context.adapter.name.clone(),
@@ -201,8 +217,9 @@ fn one_primitive(scene: &Scene, p: &Primitive, light: u32, attributed: &Attribut
     let flag = |set: bool, bit: u32| if set { bit } else { 0 };
     let has = flag(attributed.normals, HAS_NORMALS)
         | flag(attributed.uvs, HAS_UVS)
-        | flag(attributed.opacity, HAS_OPACITY);
-    let attributes = attributed.index << ATTRIBUTE_BITS | has;
+        | flag(attributed.opacity, HAS_OPACITY)
+        | flag(attributed.colors, HAS_COLORS);
+    let attributes = attributed.word << ATTRIBUTE_BITS | has;
     let one_sided = !scene.materials[p.material.index()].double_sided;
     let side = if one_sided { ONE_SIDED_BIT } else { 0 };
     let head = |kind: u32| kind | side | p.material.0 << 3;
@@ -223,16 +240,6 @@ fn one_primitive(scene: &Scene, p: &Primitive, light: u32, attributed: &Attribut
             [0, 0, 0, attributes],
         ],
     }
-}
-
-fn attribute_words(prepared: &Prepared) -> Vec<Word> {
-    let triangles = prepared.attributes.triangles.iter();
-    let words = triangles.flat_map(|t| {
-        let pair = |a: [f32; 2], b: [f32; 2]| [a[0], a[1], b[0], b[1]].map(f32::to_bits);
-        let ([na, nb, nc], [ta, tb, tc]) = (t.normals, t.uvs);
-        [pair(na, nb), pair(nc, ta), pair(tb, tc)]
-    });
-    words.collect()
 }
 
 /// Two ends of cells per word.

@@ -2,7 +2,7 @@
 
 use super::ids::MaterialId;
 use super::texture::TextureUse;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec4};
 
 /// A surface of the scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,6 +93,9 @@ pub struct Mesh {
     pub normals: Vec<DVec3>,
     /// Texture coordinates, one per position, or none; (0, 0) is the upper left corner of an image.
     pub uvs: Vec<DVec2>,
+    /// Vertex colours, one per position, or none: linear factors in [0, 1] on the reflectance or base colour (red, green,
+    /// blue) and on the opacity (alpha). Interpolated over triangles.
+    pub colors: Vec<Vec4>,
 }
 
 /// What a surface emits, the same in all directions of its emitting sides.

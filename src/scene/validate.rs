@@ -157,6 +157,7 @@ impl Check<'_> {
         for (count, what) in [
             (mesh.normals.len(), "normals"),
             (mesh.uvs.len(), "texture coordinates"),
+            (mesh.colors.len(), "colours"),
         ] {
             self.require(
                 count == 0 || count == mesh.positions.len(),
@@ -165,7 +166,22 @@ impl Check<'_> {
                 "as many as positions, or none",
             )?;
         }
-        Ok(())
+        let factor = |c: &f32| (0.0..=1.0).contains(c);
+        let outside = mesh
+            .colors
+            .iter()
+            .position(|c| !c.to_array().iter().all(factor));
+        self.require(
+            outside.is_none(),
+            || field.to_owned(),
+            || {
+                format!(
+                    "the colour of vertex {} is not a factor",
+                    outside.unwrap_or_default()
+                )
+            },
+            "each channel from 0 to 1",
+        )
     }
 
     fn power(&self, value: DVec3, field: impl FnOnce() -> String) -> Outcome {

@@ -5,7 +5,7 @@ use crate::accel::PrimitiveGeometry;
 use crate::reference::core::octahedral::from_octahedral;
 pub use crate::scene::texture::interpolate_uv;
 use crate::scene::texture::{disk_uv, rectangle_uv};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 /// Unit normals at a triangle's vertices.
 pub type VertexNormals = [DVec3; 3];
@@ -13,15 +13,17 @@ pub type VertexNormals = [DVec3; 3];
 /// Texture coordinates at a planar primitive's points a, a + u and a + v.
 pub type VertexUvs = [DVec2; 3];
 
+/// Colours at a triangle's vertices: linear red, green, blue, and alpha.
+pub type VertexColors = [DVec4; 3];
+
 fn pair([x, y]: [f32; 2]) -> DVec2 {
     DVec2::new(x.into(), y.into())
 }
 
 /// The vertex normals of `p`, which has them.
 pub fn fetch_normals(world: &World<'_>, p: &Primitive) -> VertexNormals {
-    let triangle = &world.prepared.attributes.triangles[p.attributed.index as usize];
     let normal = |n| from_octahedral(pair(n)).normalize();
-    triangle.normals.map(normal)
+    world.prepared.attributes.normals(&p.attributed).map(normal)
 }
 
 /// The texture coordinates of `p`, which has them.
@@ -30,10 +32,20 @@ pub fn fetch_uvs(world: &World<'_>, p: &Primitive) -> VertexUvs {
     match p.geometry {
         PrimitiveGeometry::Rectangle { .. } => corners.map(rectangle_uv),
         PrimitiveGeometry::Disk { .. } => corners.map(disk_uv),
-        _ => world.prepared.attributes.triangles[p.attributed.index as usize]
-            .uvs
-            .map(pair),
+        _ => world.prepared.attributes.uvs(&p.attributed).map(pair),
     }
+}
+
+/// The vertex colours of `p`, which has them.
+pub fn fetch_colors(world: &World<'_>, p: &Primitive) -> VertexColors {
+    let colors = world.prepared.attributes.colors(&p.attributed);
+    colors.map(|c| DVec4::from_array(c.map(f64::from)))
+}
+
+/// The colour of the point `st`.
+pub fn interpolate_color(c: &VertexColors, st: DVec2) -> DVec4 {
+    let color = c[0] + st.x * (c[1] - c[0]) + st.y * (c[2] - c[0]);
+    color.clamp(DVec4::ZERO, DVec4::ONE)
 }
 
 /// The unit normal between those of the vertices, on the side of the primitive's own normal; that itself where they cancel.

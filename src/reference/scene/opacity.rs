@@ -1,6 +1,6 @@
 //! Opacity: whether a surface stops a ray; see `shaders/scene/opacity.wesl`.
 
-use super::attributes::{fetch_uvs, interpolate_uv};
+use super::attributes::{fetch_colors, fetch_uvs, interpolate_color, interpolate_uv};
 use super::fetch::{Primitive, World};
 use super::texture::sample_texture;
 use crate::reference::core::rng::pcg4d;
@@ -66,11 +66,13 @@ impl Crossings {
 /// α of the primitive `p` at its point `st`.
 pub fn opacity_at(world: &World<'_>, p: &Primitive, st: DVec2) -> f64 {
     let opacity = &world.prepared.scene.materials[p.material_id.index()].opacity;
-    match &opacity.texture {
-        Some(texture) if p.attributed.uvs => {
-            let uv = interpolate_uv(&fetch_uvs(world, p), st);
-            opacity.at(sample_texture(world, texture, uv).w)
-        }
-        _ => opacity.untextured(),
+    let mut factor = 1.0;
+    if p.attributed.colors {
+        factor *= interpolate_color(&fetch_colors(world, p), st).w;
     }
+    if let Some(texture) = opacity.texture.filter(|_| p.attributed.uvs) {
+        let uv = interpolate_uv(&fetch_uvs(world, p), st);
+        factor *= sample_texture(world, &texture, uv).w;
+    }
+    opacity.at(factor)
 }

@@ -1,16 +1,17 @@
 //! The surface where a ray ended.
 
 use super::attributes::{
-    fetch_normals, fetch_uvs, interpolate_normal, interpolate_uv, map_normal, seen_normal,
-    terminator_offset,
+    fetch_colors, fetch_normals, fetch_uvs, interpolate_color, interpolate_normal, interpolate_uv,
+    map_normal, seen_normal, terminator_offset,
 };
 use super::fetch::{Primitive, World};
-use super::textured::{mapped_normal, textured_material};
+use super::textured::{mapped_normal, texture_factors, textured_material};
 use crate::accel::PrimitiveGeometry;
 use crate::reference::core::frame::{ShadingFrame, frame_from_normal, to_local};
 use crate::reference::core::math::max_abs;
 use crate::reference::core::ray::{Hit, Ray};
 use crate::scene::material::BsdfParameters;
+use crate::scene::texture::TexturedFactors;
 use glam::{DVec2, DVec3};
 
 /// Rays leave a surface from points this far off it, relative to the size of its coordinates: as far as on the GPU, so
@@ -75,16 +76,23 @@ fn shading_at(
             shading.offset = offset;
         }
     }
+    let material = &world.prepared.scene.materials[p.material_id.index()];
+    let mut factors = TexturedFactors::default();
+    if p.attributed.colors {
+        factors.color = interpolate_color(&fetch_colors(world, p), st).truncate();
+    }
     if p.attributed.uvs {
         let uvs = fetch_uvs(world, p);
         let uv = interpolate_uv(&uvs, st);
-        let material = &world.prepared.scene.materials[p.material_id.index()];
-        shading.material = textured_material(world, material, &p.material, uv);
+        factors = texture_factors(world, factors, material, uv);
         if let Some(map) = &material.textures.normal {
             let mapped = mapped_normal(world, map, uv);
             let around = shading.normal.unwrap_or(normal);
             shading.normal = Some(map_normal(mapped, &uvs, u, v, around));
         }
+    }
+    if p.attributed.uvs || p.attributed.colors {
+        shading.material = textured_material(material, &p.material, &factors);
     }
     shading
 }

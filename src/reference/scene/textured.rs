@@ -1,4 +1,4 @@
-//! Materials whose textures vary them over a surface; see `shaders/scene/textured.wesl`.
+//! Materials that textures and vertex colours vary over a surface; see `shaders/scene/textured.wesl`.
 
 use super::fetch::World;
 use super::texture::sample_texture;
@@ -7,22 +7,32 @@ use crate::scene::texture::{TexturedFactors, tangent_normal};
 use crate::scene::{Material, NormalMap};
 use glam::{DVec2, DVec3};
 
-/// How `material`, without textures `own`, scatters where the surface has the texture coordinates `uv`.
-pub fn textured_material(
+/// The factors `before` times those of the textures of `material` where the surface has the texture coordinates `uv`.
+pub fn texture_factors(
     world: &World<'_>,
+    before: TexturedFactors,
     material: &Material,
-    own: &BsdfParameters,
     uv: DVec2,
-) -> BsdfParameters {
-    let mut factors = TexturedFactors::default();
+) -> TexturedFactors {
+    let mut factors = before;
     if let Some(texture) = &material.textures.color {
-        factors.color = sample_texture(world, texture, uv).truncate();
+        factors.color *= sample_texture(world, texture, uv).truncate();
     }
     if let Some(texture) = &material.textures.metallic_roughness {
         let texel = sample_texture(world, texture, uv);
-        (factors.roughness, factors.metallic) = (texel.y, texel.z);
+        factors.roughness *= texel.y;
+        factors.metallic *= texel.z;
     }
-    let mut parameters = material.bsdf.textured_parameters(own, &factors);
+    factors
+}
+
+/// How `material`, without textures and vertex colours `own`, scatters under `factors`.
+pub fn textured_material(
+    material: &Material,
+    own: &BsdfParameters,
+    factors: &TexturedFactors,
+) -> BsdfParameters {
+    let mut parameters = material.bsdf.textured_parameters(own, factors);
     if let (Some(lobe), Some(own)) = (&mut parameters.specular, &own.specular) {
         lobe.compensated = own.compensated;
     }

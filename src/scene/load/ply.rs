@@ -66,6 +66,7 @@ pub(super) fn read(path: &Path) -> Result<Mesh, InputError> {
         normals: all(normals).map(|v| v.normal).collect(),
         // The file's v points up.
         uvs: all(uvs).map(|v| DVec2::new(v.uv.x, 1.0 - v.uv.y)).collect(),
+        colors: Vec::new(),
     })
 }
 

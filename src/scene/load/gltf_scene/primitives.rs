@@ -230,6 +230,7 @@ fn triangles(
         positions,
         normals,
         uvs,
+        colors: Vec::new(),
     })
 }
 
