@@ -143,7 +143,8 @@ impl Rules<'_> {
                 said += " × vertex alpha";
             }
             if let Some(cutoff) = opacity.cutoff {
-                said += &format!(", cutoff {cutoff}");
+                // Rounded: it may have been moved by what a texture's rounding asks for.
+                said += &format!(", cutoff {}", (cutoff * 1000.0).round() / 1000.0);
             }
             said
         })

@@ -64,7 +64,8 @@ fn alpha_modes_of_gltf() {
     assert!(blend.warnings.iter().all(|w| !w.contains("alpha")));
     let mask = gltf(textured(json!({ "alphaMode": "MASK" })), &texels);
     let opacity = mask.materials[0].opacity;
-    assert_eq!(opacity.cutoff, Some(0.5), "when left out");
+    let cutoff = opacity.cutoff.expect("a mask");
+    assert!((cutoff - 0.5).abs() < 1e-6, "when left out: {cutoff}");
     assert_eq!(
         (opacity.at(0.999), opacity.at(1.0)),
         (0.0, 1.0),
@@ -87,6 +88,48 @@ fn what_makes_no_difference_is_folded() {
     let scene = gltf(textured(mask(0.4)), &[0, 255]);
     assert!(!scene.materials[0].textures.any());
     assert!(scene.materials[0].opacity.texture.is_some());
+}
+
+/// Opaque where α ≥ cutoff (glTF 2.0, section 3.9.4), however a texture holds α and however the file writes the cutoff.
+#[test]
+fn alphas_that_equal_the_cutoff_are_opaque() {
+    let at = |scene: &Scene, x: u32| {
+        let opacity = scene.materials[0].opacity;
+        let texture = opacity.texture.expect("a texture").texture;
+        opacity.at(scene.textures[texture.index()].texel(x, 0).w)
+    };
+    for (level, cutoff) in [
+        (51, 0.2),
+        (102, 0.4),
+        (128, 0.501_960_784_3),
+        (128, 128.0 / 255.0),
+        (77, f64::from(77.0f32 / 255.0)),
+        (1, 1.0 / 255.0),
+        (254, 254.0 / 255.0),
+    ] {
+        let mode = json!({ "alphaMode": "MASK", "alphaCutoff": cutoff });
+        let mut material = textured(mode);
+        material["pbrMetallicRoughness"]["baseColorFactor"][3] = json!(1);
+        let scene = gltf(material.clone(), &[level, level - 1]);
+        assert_eq!((at(&scene, 0), at(&scene, 1)), (1.0, 0.0), "{cutoff}");
+        // Where all texels equal it nothing is left of the mask.
+        let scene = gltf(material, &[level; 2]);
+        assert_eq!(scene.materials[0].opacity, Opacity::constant(1.0));
+    }
+    // 0.9 · 102/255 is 0.36.
+    let mut material = textured(json!({ "alphaMode": "MASK", "alphaCutoff": 0.36 }));
+    material["pbrMetallicRoughness"]["baseColorFactor"][3] = json!(0.9);
+    let scene = gltf(material, &[102, 101]);
+    assert_eq!((at(&scene, 0), at(&scene, 1)), (1.0, 0.0));
+    // 16-bit levels that an f16 does not hold apart.
+    let folder = Folder::new();
+    let words = [0x7ffe, 0x7fff, 0x8000, 0xffff];
+    let row = ImageBuffer::from_fn(4, 1, |x, _| Luma([words[x as usize]]));
+    folder.write("fine.png", encoded(&DynamicImage::ImageLuma16(row)));
+    let material = "alpha_cutoff = 0.5\ntextures.opacity = { file = \"fine.png\" }\n";
+    folder.write("scene.toml", format!("{HEAD}{material}"));
+    let scene = folder.load("scene.toml").expect("valid");
+    assert_eq!([0, 1, 2, 3].map(|x| at(&scene, x)), [0.0, 0.0, 1.0, 1.0]);
 }
 
 #[test]

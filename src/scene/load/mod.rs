@@ -3,6 +3,7 @@
 //! Each file format lives in a module of its own; all of them end in the same [`Scene`], in world space and f64,
 //! validated. What a file asks for and direkt does not do becomes one sentence in [`Scene::warnings`].
 
+mod cutoff;
 mod exr;
 mod files;
 mod frame;

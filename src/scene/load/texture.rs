@@ -1,9 +1,10 @@
 //! Images that materials read: PNG, JPEG, Radiance HDR and OpenEXR.
 
+use super::cutoff::{self, Alpha};
 use super::exr;
 use super::image::unreadable;
 use crate::error::InputError;
-use crate::scene::{Material, Shape, Texels, Texture, TextureId, TextureUse};
+use crate::scene::{Material, Opacity, Shape, Texels, Texture, TextureId, TextureUse};
 use glam::DVec3;
 use half::f16;
 use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits};
@@ -31,6 +32,8 @@ const MAX_HALF: f32 = 65_504.0;
 pub(super) struct Textures {
     first: usize,
     list: Vec<Texture>,
+    /// The alphas of images whose channels have more than 8 bits.
+    fine_alphas: HashMap<TextureId, Vec<f32>>,
     known: HashMap<(PathBuf, Meaning), TextureId>,
     warnings: Vec<String>,
 }
@@ -41,6 +44,7 @@ impl Textures {
         Self {
             first,
             list: Vec::new(),
+            fine_alphas: HashMap::new(),
             known: HashMap::new(),
             warnings: Vec::new(),
         }
@@ -57,7 +61,11 @@ impl Textures {
         if let Some(&id) = self.known.get(&key) {
             return Ok(id);
         }
-        let (texture, decoded) = decode(name, &bytes()?, meaning, &mut self.warnings)?;
+        let Decoded {
+            texture,
+            fine_alphas,
+            meaning: decoded,
+        } = decode(name, &bytes()?, meaning, &mut self.warnings)?;
         // An image that is read as a colour and as an opacity is held once.
         let decoded = (name.to_path_buf(), decoded);
         let id = if let Some(&id) = self.known.get(&decoded) {
@@ -66,10 +74,37 @@ impl Textures {
             let id = u32::try_from(self.first + self.list.len()).expect("fewer than 2³² textures");
             self.list.push(texture);
             self.known.insert(decoded, TextureId(id));
+            if let Some(alphas) = fine_alphas {
+                self.fine_alphas.insert(TextureId(id), alphas);
+            }
             TextureId(id)
         };
         self.known.insert(key, id);
         Ok(id)
+    }
+
+    /// Moves the cutoff of `opacity`, whose texture is one of these, to where it divides the texture's values as it divides the
+    /// image's.
+    pub(super) fn settle_cutoff(&mut self, opacity: &mut Opacity) {
+        let Some(used) = opacity.texture else { return };
+        let texture = &mut self.list[used.texture.index() - self.first];
+        let Texels::Halves(texels) = &mut texture.texels else {
+            return;
+        };
+        let fine = self.fine_alphas.get(&used.texture);
+        let alpha = |index: usize, held: f16| match fine {
+            Some(alphas) => Alpha {
+                exact: alphas[index].into(),
+                held,
+            },
+            None => Alpha::of_byte(held),
+        };
+        let alphas = texels.iter().enumerate().map(|(i, t)| alpha(i, t[3]));
+        if let Some(divided) = cutoff::settle(opacity, alphas) {
+            for (index, texel) in texels.iter_mut().enumerate() {
+                texel[3] = divided.apart(alpha(index, texel[3]));
+            }
+        }
     }
 
     /// All of them in the order of their ids, and what is to be said of them.
@@ -78,14 +113,22 @@ impl Textures {
     }
 }
 
-/// Decodes an image; `name` is for messages. An opacity with an alpha channel is that of a colour: the meaning that is
-/// returned says as what the image was decoded.
+/// What an image was decoded into.
+struct Decoded {
+    texture: Texture,
+    /// The alphas of an image whose channels have more than 8 bits.
+    fine_alphas: Option<Vec<f32>>,
+    /// As what: an opacity with an alpha channel is that of a colour.
+    meaning: Meaning,
+}
+
+/// Decodes an image; `name` is for messages.
 fn decode(
     name: &Path,
     bytes: &[u8],
     meaning: Meaning,
     warnings: &mut Vec<String>,
-) -> Result<(Texture, Meaning), InputError> {
+) -> Result<Decoded, InputError> {
     const FORMATS: &str = "a PNG, JPEG, Radiance HDR or OpenEXR image";
     let format = image::guess_format(bytes)
         .map_err(|_| InputError::file(name, "is not an image of a known format", FORMATS))?;
@@ -115,13 +158,39 @@ fn decode(
         other => other,
     };
     check_channels(name, image.color().channel_count(), meaning)?;
+    let fine_alphas = fine_alphas(&image, meaning);
     let texture = Texture {
         source: name.display().to_string(),
         width,
         height,
         texels: texels(name, image, meaning, warnings),
     };
-    Ok((texture, meaning))
+    Ok(Decoded {
+        texture,
+        fine_alphas,
+        meaning,
+    })
+}
+
+/// The alphas of an image whose channels have more than 8 bits.
+fn fine_alphas(image: &DynamicImage, meaning: Meaning) -> Option<Vec<f32>> {
+    let word = |n: u16| f32::from(n) / 65_535.0;
+    match (image, meaning) {
+        (DynamicImage::ImageLuma16(words), Meaning::Opacity) => {
+            Some(words.pixels().map(|p| word(p.0[0])).collect())
+        }
+        (DynamicImage::ImageLumaA16(words), Meaning::Color) => {
+            Some(words.pixels().map(|p| word(p.0[1])).collect())
+        }
+        (DynamicImage::ImageRgba16(words), Meaning::Color) => {
+            Some(words.pixels().map(|p| word(p.0[3])).collect())
+        }
+        (DynamicImage::ImageRgba32F(floats), Meaning::Color) => {
+            let alpha = |a: f32| if a > 0.0 { a.min(1.0) } else { 0.0 };
+            Some(floats.pixels().map(|p| alpha(p.0[3])).collect())
+        }
+        _ => None,
+    }
 }
 
 /// Checks that an image has the `channels` that its meaning asks for.

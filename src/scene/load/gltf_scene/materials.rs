@@ -96,7 +96,8 @@ impl<'a> Materials<'a> {
         }
         let layer = dielectric_layer(document, json, &name)?;
         let textures = self.textures_of(json, &name)?;
-        let opacity = opacity(document, json, &name, textures.color)?;
+        let mut opacity = opacity(document, json, &name, textures.color)?;
+        self.textures.settle_cutoff(&mut opacity);
         let material = Material {
             name: json.name.clone().unwrap_or_else(|| name.clone()),
             bsdf: Bsdf::MetallicRoughness {
@@ -242,10 +243,15 @@ fn opacity(
         ));
     }
     Ok(Opacity {
-        factor: factor.into(),
+        factor: decimal(factor),
         texture: color,
-        cutoff: cutoff.map(f64::from),
+        cutoff: cutoff.map(decimal),
     })
+}
+
+/// The shortest decimal number that is read as `value`: what a file says, so that 0.9 · 102/255 reaches 0.36.
+fn decimal(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or_else(|_| value.into())
 }
 
 /// Emissive factor times strength; the back of a double-sided material emits as well.

@@ -52,11 +52,13 @@ pub(super) fn opacity(
     let field = format!("materials.{name}.textures.opacity");
     let texture = table.textures.opacity.as_ref();
     let texture = texture.map(|t| texture_use(context, t, &field, Meaning::Opacity, textures));
-    Ok(Opacity {
+    let mut opacity = Opacity {
         factor: table.opacity,
         texture: texture.transpose()?,
         cutoff: table.alpha_cutoff,
-    })
+    };
+    textures.settle_cutoff(&mut opacity);
+    Ok(opacity)
 }
 
 /// The texture that the table `field` names, read.
