@@ -16,12 +16,14 @@ pub enum Error {
     #[error("{0}")]
     Usage(String),
     /// A file could not be written.
-    #[error("{}: cannot be written: {source}", path.display())]
+    #[error("{}: cannot be written: {source}{}", path.display(), elsewhere(saved_as.as_deref()))]
     Write {
         /// The file that was meant to be written.
         path: PathBuf,
         /// What the operating system said.
         source: std::io::Error,
+        /// Where the same bytes were written instead.
+        saved_as: Option<PathBuf>,
     },
     /// The GPU, its driver or its limits stand in the way.
     #[error(transparent)]
@@ -29,14 +31,27 @@ pub enum Error {
 }
 
 impl Error {
+    /// A file that could not be written, and was written nowhere else.
+    pub fn write(path: impl AsRef<Path>, source: std::io::Error) -> Self {
+        Self::Write {
+            path: path.as_ref().to_path_buf(),
+            source,
+            saved_as: None,
+        }
+    }
+
     /// The process exit code: 2 for wrong use or bad input, 1 for everything else.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Input(_) | Self::Usage(_) | Self::Write { .. } => 2,
+            Self::Input(_) | Self::Usage(_) => 2,
             Self::Gpu(e) if e.is_about_the_request() => 2,
-            Self::Gpu(_) => 1,
+            Self::Write { .. } | Self::Gpu(_) => 1,
         }
     }
+}
+
+fn elsewhere(saved_as: Option<&Path>) -> String {
+    saved_as.map_or_else(String::new, |path| format!("; saved as {}", path.display()))
 }
 
 /// Bad input: which file, which field of it, what is wrong there and what would be right.

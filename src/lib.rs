@@ -93,9 +93,12 @@
 //! - The BVH's boxes lie on one 16-bit grid over the scene: where detail is finer than 1/65,535 of the scene's size,
 //!   boxes are looser than they need be.
 
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod accel;
 pub mod cli;
 pub mod compare;
+mod console;
 pub mod cost;
 pub mod drawing;
 pub mod effects;
@@ -106,6 +109,7 @@ mod golden;
 pub mod gpu;
 pub mod image;
 pub mod lab;
+pub mod output;
 pub mod reference;
 pub mod render;
 pub mod report;

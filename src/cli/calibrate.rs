@@ -1,10 +1,9 @@
 //! `direkt cost --calibrate`: do images know their own error?
 
 use super::cost::or;
-use super::print;
+use crate::console::print;
 use crate::cost::calibrate::{Calibration, Estimate, Settings};
 use crate::cost::estimator::{Choices, combinations};
-use crate::error::Error;
 use crate::report::format::short;
 use crate::scene::{Sampler, Scene, Strategy};
 use clap::ValueEnum;
@@ -45,9 +44,9 @@ impl CalibrateArguments {
 }
 
 /// Prints the table.
-pub fn print_table(calibrations: &[Calibration]) -> Result<(), Error> {
+pub fn print_table(calibrations: &[Calibration]) {
     let Some(first) = calibrations.first() else {
-        return Ok(());
+        return;
     };
     print(&format!(
         "{}: {} × {}, {} images of {} samples per pixel each\n  {:<44}{:>10}{:>22}{:>18}   stopped at √relMSE{:>22}{:>18}{:>26}\n",
@@ -63,7 +62,7 @@ pub fn print_table(calibrations: &[Calibration]) -> Result<(), Error> {
         "reported/actual",
         "below target",
         "bias of the mean",
-    ))?;
+    ));
     for c in calibrations {
         let s = &c.stopped;
         let bias = s.bias_of_mean[1];
@@ -78,9 +77,8 @@ pub fn print_table(calibrations: &[Calibration]) -> Result<(), Error> {
             plus_minus(s.ratio, 3),
             percent(s.below_target),
             format!("{:+.1e} ± {:.1e}", bias.value, bias.standard_error),
-        ))?;
+        ));
     }
-    Ok(())
 }
 
 fn plus_minus(e: Estimate, digits: usize) -> String {

@@ -1,6 +1,6 @@
 //! `direkt render --check`: what the scene's `[expect]` table says against what was rendered.
 
-use super::print;
+use crate::console::print;
 use crate::error::Error;
 use crate::render::Film;
 use crate::render::check::{Check, Failure, require_samples};
@@ -41,7 +41,7 @@ impl CheckArgument {
 }
 
 /// Prints the verdict, and each failing value with what was expected and the bound.
-pub fn print_verdict(check: &Check) -> Result<(), Error> {
+pub fn print_verdict(check: &Check) {
     let mut text = String::new();
     for failure in check.failures.iter().take(PRINTED) {
         text += &failure_line(failure);
@@ -62,7 +62,7 @@ pub fn print_verdict(check: &Check) -> Result<(), Error> {
         check.bound_sigma,
         check.source,
     );
-    print(&text)
+    print(&text);
 }
 
 fn failure_line(failure: &Failure) -> String {

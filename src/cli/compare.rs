@@ -1,11 +1,12 @@
 //! `direkt compare`: the GPU estimator held against the reference.
 
-use super::outputs::check_image_path;
+use super::plan::{Failures, Plan};
 use super::settings::{EstimatorArguments, SceneArguments, warn};
-use super::{AdapterArgument, JsonArgument, print, progress};
+use super::{AdapterArgument, JsonArgument, progress};
 use crate::compare::{
     CompareError, Comparison, Settings, compare, default_film, minimum_samples, per_sample,
 };
+use crate::console::print;
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
 use crate::image::signed;
@@ -14,7 +15,7 @@ use crate::render::Prepared;
 use crate::scene::{FilmSize, LightSelection, Sampler, ShadowPattern, Strategy};
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Arguments of `direkt compare`.
@@ -73,7 +74,8 @@ struct Report {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
-    let (prepared, settings) = prepare(arguments)?;
+    let mut plan = arguments.plan()?;
+    let (prepared, settings) = prepare(arguments, &mut plan)?;
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
     let quiet = arguments.quiet || arguments.json.is_stdout();
     let template = "{bar:24} {percent:>3} % comparing, {eta} left";
@@ -107,25 +109,39 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         comparison,
         warnings: prepared.scene.warnings.clone(),
     };
-    write_images(arguments, settings.film, &report)?;
-    arguments.json.write(&report)?;
-    if !arguments.json.is_stdout() {
-        print(&text(&report))?;
+    let mut failures = Failures::default();
+    for (path, bytes) in images(arguments, settings.film, &report) {
+        failures.note(bytes.and_then(|bytes| plan.write(path, &bytes)));
     }
-    Ok(if report.agrees {
+    failures.note(arguments.json.write(&plan, &report));
+    if !arguments.json.is_stdout() {
+        print(&text(&report));
+    }
+    Ok(failures.exit_code(if report.agrees {
         ExitCode::SUCCESS
     } else {
         ExitCode::FAILURE
-    })
+    }))
+}
+
+impl Arguments {
+    /// What is going to be written.
+    fn plan(&self) -> Result<Plan, Error> {
+        let mut plan = Plan::default();
+        if let Some(path) = &self.difference {
+            plan.image("--difference", path)?;
+        }
+        if let Some(path) = &self.z_scores {
+            plan.image("--z-scores", path)?;
+        }
+        self.json.plan(&mut plan)?;
+        Ok(plan)
+    }
 }
 
 /// Reads the scene and refuses what could not be compared, before anything runs.
-fn prepare(arguments: &Arguments) -> Result<(Prepared, Settings), Error> {
-    let path = &arguments.scene.scene;
-    for image in arguments.difference.iter().chain(&arguments.z_scores) {
-        check_image_path(image, path)?;
-    }
-    let mut scene = arguments.scene.load()?;
+fn prepare(arguments: &Arguments, plan: &mut Plan) -> Result<(Prepared, Settings), Error> {
+    let mut scene = arguments.scene.load(plan)?;
     scene.render.sampler = Sampler::Independent;
     arguments.estimator.apply(&mut scene)?;
     warn(&scene);
@@ -174,7 +190,12 @@ fn check_broken(prepared: &Prepared, broken: Option<BrokenTwin>) -> Result<(), E
     )))
 }
 
-fn write_images(arguments: &Arguments, size: FilmSize, report: &Report) -> Result<(), Error> {
+/// Each image that is asked for, with its name.
+fn images<'a>(
+    arguments: &'a Arguments,
+    size: FilmSize,
+    report: &Report,
+) -> Vec<(&'a Path, Result<Vec<u8>, Error>)> {
     let pixels = &report.comparison.pixels;
     let attributes = [
         ("scene", report.scene.clone()),
@@ -182,26 +203,21 @@ fn write_images(arguments: &Arguments, size: FilmSize, report: &Report) -> Resul
         ("driver", report.adapter.driver.clone()),
         ("direkt", report.direkt.to_owned()),
     ];
-    if let Some(path) = &arguments.difference {
-        let values: Vec<[f64; 3]> = pixels
-            .iter()
-            .map(|p| (p.gpu - p.reference).to_array())
-            .collect();
+    let encode = |path: &'a PathBuf, values: Vec<[f64; 3]>, scale: f64| {
+        let encoded = signed::encode(path, size, &values, scale, &attributes);
+        (path.as_path(), encoded.map_err(|e| Error::write(path, e)))
+    };
+    let difference = arguments.difference.as_ref().map(|path| {
+        let values = pixels.iter().map(|p| (p.gpu - p.reference).to_array());
         let means = report.comparison.whole_image.channels.map(|c| c.reference);
         let scale = means.iter().sum::<f64>() / 3.0;
-        signed::write(
-            path,
-            size,
-            &values,
-            scale.max(f64::MIN_POSITIVE),
-            &attributes,
-        )?;
-    }
-    if let Some(path) = &arguments.z_scores {
-        let values: Vec<[f64; 3]> = pixels.iter().map(|p| p.t).collect();
-        signed::write(path, size, &values, 4.0, &attributes)?;
-    }
-    Ok(())
+        encode(path, values.collect(), scale.max(f64::MIN_POSITIVE))
+    });
+    let z_scores = arguments.z_scores.as_ref().map(|path| {
+        let values = pixels.iter().map(|p| p.t);
+        encode(path, values.collect(), 4.0)
+    });
+    difference.into_iter().chain(z_scores).collect()
 }
 
 fn text(report: &Report) -> String {

@@ -5,9 +5,11 @@ mod text;
 use super::calibrate::{CalibrateArguments, print_table};
 use super::explain::parse_effect;
 use super::interrupt::Interrupt;
+use super::plan::{Failures, Plan, usable};
 use super::settings::{ImageArguments, SceneListArguments};
-use super::{AdapterArgument, JsonArgument, print, progress};
-use crate::cost::calibrate::{Calibration, calibrate};
+use super::{AdapterArgument, JsonArgument, progress};
+use crate::console::{print, say};
+use crate::cost::calibrate::{self, Calibration};
 use crate::cost::estimator::{self, Choices};
 use crate::cost::{Compiled, SceneCost, Settings, measure};
 use crate::error::Error;
@@ -95,20 +97,22 @@ struct Report<'a> {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.check()?;
-    let mut scenes = arguments.scenes.load()?;
+    let interrupt = Interrupt::listen();
+    let mut plan = arguments.plan()?;
+    let mut scenes = arguments.scenes.load(&mut plan)?;
     for scene in &mut scenes {
         arguments.image.apply(scene)?;
     }
     let bench = Bench {
         context: Context::new(arguments.adapter.adapter.as_deref())?,
-        interrupt: Interrupt::listen(),
+        interrupt,
         quiet: arguments.quiet || arguments.json.is_stdout(),
+        plan,
     };
-    match &arguments.output {
-        Some(output) if !arguments.calibrate.calibrate => {
-            arguments.measure(&bench, &scenes, output)
-        }
-        _ => arguments.calibrate(&bench, &scenes),
+    bench.interrupt.defer();
+    match arguments.folder() {
+        Some(folder) => arguments.measure(&bench, &scenes, folder),
+        None => arguments.calibrate(&bench, &scenes),
     }
 }
 
@@ -118,6 +122,7 @@ struct Bench {
     interrupt: Interrupt,
     /// Nothing but results is printed.
     quiet: bool,
+    plan: Plan,
 }
 
 /// The cost on `scene`; `None` where Ctrl-C came before there was enough for a result.
@@ -132,7 +137,7 @@ fn measure_scene(
     let source = scene.source.display();
     if !bench.quiet {
         let (name, driver) = (&bench.context.adapter.name, &bench.context.adapter.driver);
-        eprintln!("measuring {source} on {name} ({driver})");
+        say(format_args!("measuring {source} on {name} ({driver})"));
     }
     let progress = Bar::new(settings.budget, bench.quiet);
     let mut show = |what: &str, spent: f64| progress.show(&format!("{source}: {what}"), spent);
@@ -140,9 +145,26 @@ fn measure_scene(
     let cost = measure(&bench.context, scene, settings, &mut show, &stop)?;
     progress.finish();
     if let Some(cost) = cost.as_ref().filter(|_| !bench.quiet) {
-        print(&text::summary(cost))?;
+        print(&text::summary(cost));
     }
     Ok(cost)
+}
+
+/// What is found on `scene`; estimators that are missing were not finished when Ctrl-C came.
+fn calibrate_scene(
+    bench: &Bench,
+    scene: &Scene,
+    settings: &calibrate::Settings,
+) -> Result<Vec<Calibration>, Error> {
+    let progress = Bar::new(1.0, bench.quiet);
+    let mut show = |what: &str, part: f64| progress.show(what, part);
+    let stop = || bench.interrupt.came();
+    let found = calibrate::calibrate(&bench.context, scene, settings, &mut show, &stop)?;
+    progress.finish();
+    if !bench.quiet {
+        print_table(&found);
+    }
+    Ok(found)
 }
 
 impl Arguments {
@@ -154,12 +176,6 @@ impl Arguments {
                 "--target-error {target}: a positive number such as 0.001 is needed"
             )));
         }
-        if let Some(output) = self.output.as_ref().filter(|o| o.is_file()) {
-            return Err(Error::Usage(format!(
-                "{} is a file; name a folder for the report",
-                output.display()
-            )));
-        }
         if self.reference.is_some() && self.scenes.scenes.len() > 1 {
             return Err(Error::Usage(
                 "--reference is for one scene; name one".to_owned(),
@@ -168,77 +184,129 @@ impl Arguments {
         Ok(())
     }
 
-    /// Measures the scenes and writes the report into the folder `output`.
-    fn measure(&self, bench: &Bench, scenes: &[Scene], output: &Path) -> Result<ExitCode, Error> {
-        let machine = Machine::this(&bench.context.adapter);
-        let (mut costs, mut not_measured) = (Vec::new(), Vec::new());
-        for scene in scenes {
-            match measure_scene(bench, scene, &self.settings(scene))? {
-                Some(cost) => costs.push(cost),
-                None => not_measured.push(scene.source.display().to_string()),
-            }
-        }
-        let interrupted = !not_measured.is_empty() || costs.iter().any(|c| c.interrupted);
-        if costs.is_empty() {
-            return Ok(nothing_to_tell());
-        }
-        report::write(output, &costs, &not_measured, &machine)?;
-        if let Some(path) = &self.csv {
-            crate::image::write_atomically(path, csv::table(&costs).as_bytes())?;
-        }
-        self.json.write(&Report {
-            machine: &machine,
-            interrupted,
-            not_measured: &not_measured,
-            scenes: &costs,
-            calibrations: &[],
-        })?;
-        if !bench.quiet {
-            if interrupted {
-                eprintln!("direkt: interrupted, the report shows what was measured until then");
-            }
-            let page = output.join("report.html");
-            print(&format!("{}\n", page.display()))?;
-        }
-        Ok(ExitCode::SUCCESS)
+    /// The report's folder, where one is to be written.
+    fn folder(&self) -> Option<&PathBuf> {
+        let output = self.output.as_ref();
+        output.filter(|_| !self.calibrate.calibrate)
     }
 
-    /// `--calibrate`.
-    fn calibrate(&self, bench: &Bench, scenes: &[Scene]) -> Result<ExitCode, Error> {
-        let stop = || bench.interrupt.came();
-        let (mut calibrations, mut not_measured) = (Vec::new(), Vec::new());
+    /// What is going to be written.
+    fn plan(&self) -> Result<Plan, Error> {
+        let mut plan = Plan::default();
+        if let Some(folder) = self.folder() {
+            let scenes: Vec<&Path> = self.scenes.scenes.iter().map(PathBuf::as_path).collect();
+            plan.folder("-o", folder, &report::file_names(&scenes))?;
+        }
+        if let Some(path) = self.csv.as_ref().filter(|_| !self.calibrate.calibrate) {
+            plan.file("--csv", path)?;
+        }
+        self.json.plan(&mut plan)?;
+        plan.spare(&self.reference, "the reference")?;
+        Ok(plan)
+    }
+
+    /// Measures the scenes and writes the report into `folder`. Where a scene cannot be measured, what was measured before is
+    /// written first.
+    fn measure(&self, bench: &Bench, scenes: &[Scene], folder: &Path) -> Result<ExitCode, Error> {
+        let (mut costs, mut not_measured, mut failed) = (Vec::new(), Vec::new(), Ok(()));
         for scene in scenes {
-            let progress = Bar::new(1.0, bench.quiet);
-            let mut show = |what: &str, part: f64| progress.show(what, part);
+            let measured = match &failed {
+                Ok(()) => measure_scene(bench, scene, &self.settings(scene)),
+                Err(_) => Ok(None),
+            };
+            match measured {
+                Ok(Some(cost)) => costs.push(cost),
+                Ok(None) => not_measured.push(scene.source.display().to_string()),
+                Err(error) => {
+                    not_measured.push(scene.source.display().to_string());
+                    failed = Err(error);
+                }
+            }
+        }
+        if costs.is_empty() {
+            return failed.map(|()| nothing_to_tell());
+        }
+        let failures = self.write(bench, &costs, &not_measured, folder);
+        failed?;
+        Ok(failures.exit_code(ExitCode::SUCCESS))
+    }
+
+    /// Writes all that is asked for.
+    fn write(
+        &self,
+        bench: &Bench,
+        costs: &[SceneCost],
+        not_measured: &[String],
+        folder: &Path,
+    ) -> Failures {
+        let machine = Machine::this(&bench.context.adapter);
+        let interrupted = !not_measured.is_empty() || costs.iter().any(|c| c.interrupted);
+        let mut failures = Failures::default();
+        let folder = usable(folder.to_path_buf(), &mut failures);
+        for (name, bytes) in report::files(costs, not_measured, &machine) {
+            let path = folder.join(name);
+            failures.note(bytes.and_then(|bytes| bench.plan.write(&path, &bytes)));
+        }
+        if let Some(path) = &self.csv {
+            failures.note(bench.plan.write(path, csv::table(costs).as_bytes()));
+        }
+        let report = Report {
+            machine: &machine,
+            interrupted,
+            not_measured,
+            scenes: costs,
+            calibrations: &[],
+        };
+        failures.note(self.json.write(&bench.plan, &report));
+        if !bench.quiet {
+            if interrupted {
+                say("direkt: interrupted, the report shows what was measured until then");
+            }
+            let page = folder.join("report.html");
+            print(&format!("{}\n", page.display()));
+        }
+        failures
+    }
+
+    /// `--calibrate`. Where a scene cannot be rendered, what was found before is written first.
+    fn calibrate(&self, bench: &Bench, scenes: &[Scene]) -> Result<ExitCode, Error> {
+        let (mut calibrations, mut not_measured, mut failed) = (Vec::new(), Vec::new(), Ok(()));
+        for scene in scenes {
             let settings = self
                 .calibrate
                 .settings(scene, &self.strategies, &self.samplers);
-            let found = calibrate(&bench.context, scene, &settings, &mut show, &stop)?;
-            progress.finish();
+            let found = match &failed {
+                Ok(()) => calibrate_scene(bench, scene, &settings),
+                Err(_) => Ok(Vec::new()),
+            };
+            let found = found.unwrap_or_else(|error| {
+                failed = Err(error);
+                Vec::new()
+            });
             if found.len() < settings.estimators.len() {
                 let missing = settings.estimators[found.len()..].iter();
                 let source = scene.source.display();
                 not_measured.extend(missing.map(|e| format!("{source}: {e}")));
             }
-            if !bench.quiet {
-                print_table(&found)?;
-            }
             calibrations.extend(found);
         }
         if calibrations.is_empty() {
-            return Ok(nothing_to_tell());
+            return failed.map(|()| nothing_to_tell());
         }
         if !(not_measured.is_empty() || bench.quiet) {
-            eprintln!("direkt: interrupted, the table shows the estimators that were finished");
+            say("direkt: interrupted, the table shows the estimators that were finished");
         }
-        self.json.write(&Report {
+        let mut failures = Failures::default();
+        let report = Report {
             machine: &Machine::this(&bench.context.adapter),
             interrupted: !not_measured.is_empty(),
             not_measured: &not_measured,
             scenes: &[],
             calibrations: &calibrations,
-        })?;
-        Ok(ExitCode::SUCCESS)
+        };
+        failures.note(self.json.write(&bench.plan, &report));
+        failed?;
+        Ok(failures.exit_code(ExitCode::SUCCESS))
     }
 
     fn settings(&self, scene: &Scene) -> Settings {
@@ -264,7 +332,7 @@ impl Arguments {
 
 /// Says that Ctrl-C came too early.
 fn nothing_to_tell() -> ExitCode {
-    eprintln!("direkt: interrupted before there was enough for a result, nothing was written");
+    say("direkt: interrupted before there was enough for a result, nothing was written");
     ExitCode::FAILURE
 }
 

@@ -1,6 +1,8 @@
 //! `direkt doctor`: can the adapters of this machine be trusted?
 
-use super::{AdapterArgument, JsonArgument, print};
+use super::plan::{Failures, Plan};
+use super::{AdapterArgument, JsonArgument};
+use crate::console::print;
 use crate::error::{Error, GpuError};
 use crate::gpu::doctor::{Diagnosis, DriverFacts, examine};
 use std::fmt::Write;
@@ -17,6 +19,8 @@ pub struct Arguments {
 
 /// Runs the command; 1 when an adapter that was examined cannot render.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
+    let mut plan = Plan::default();
+    arguments.json.plan(&mut plan)?;
     let wanted = arguments.adapter.adapter.as_deref();
     let diagnoses = examine(wanted);
     if diagnoses.is_empty() {
@@ -29,18 +33,19 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         }
         .into());
     }
-    arguments.json.write(&diagnoses)?;
+    let mut failures = Failures::default();
+    failures.note(arguments.json.write(&plan, &diagnoses));
     if !arguments.json.is_stdout() {
         for diagnosis in &diagnoses {
-            print(&text(diagnosis))?;
+            print(&text(diagnosis));
         }
     }
     let all_fit = diagnoses.iter().all(Diagnosis::is_fit);
-    Ok(if all_fit {
+    Ok(failures.exit_code(if all_fit {
         ExitCode::SUCCESS
     } else {
         ExitCode::FAILURE
-    })
+    }))
 }
 
 fn text(d: &Diagnosis) -> String {

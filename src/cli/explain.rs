@@ -4,9 +4,11 @@ mod text;
 
 use super::cost::{Bar, or, parse_duration};
 use super::interrupt::Interrupt;
+use super::plan::{Failures, Plan, usable};
 use super::settings::{AovArguments, AssetArguments, EstimatorArguments};
-use super::{AdapterArgument, JsonArgument, print};
-use crate::drawing::raster;
+use super::{AdapterArgument, JsonArgument};
+use crate::console::{print, say};
+use crate::drawing::{raster, svg::Svg};
 use crate::effects::Effect;
 use crate::error::Error;
 use crate::explain::aov::{self, AovCost};
@@ -17,7 +19,7 @@ use crate::explain::sample::{self, RandomNumbers, Rays};
 use crate::explain::shader::ShaderSize;
 use crate::gpu::shader::{self, Config};
 use crate::gpu::{AdapterFacts, Context};
-use crate::image::{extension, write_atomically};
+use crate::image::extension;
 use crate::render::Prepared;
 use crate::scene::load::schema;
 use serde::Serialize;
@@ -107,12 +109,12 @@ struct CalledFor {
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
-    let Some(path) = arguments.scene.as_deref().filter(|_| !arguments.schema) else {
-        print(&schema())?;
+    let Some(path) = arguments.scene.as_ref().filter(|_| !arguments.schema) else {
+        print(&schema());
         return Ok(ExitCode::SUCCESS);
     };
-    arguments.check_output()?;
-    let mut scene = arguments.assets.load(path)?;
+    let mut plan = arguments.plan()?;
+    let mut scene = arguments.assets.load(path, &mut plan)?;
     arguments.aov.apply(&mut scene);
     arguments.estimator.apply(&mut scene)?;
     let settings = scene.render;
@@ -120,46 +122,60 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let features = prepared.effects.features();
     let wgsl = shader::link("kernel::direct", features, Config::of(&prepared))?;
     if arguments.wgsl {
-        print(&wgsl)?;
+        print(&wgsl);
         return Ok(ExitCode::SUCCESS);
     }
     let mut report = report(path, &prepared, &wgsl)?;
+    let mut failures = Failures::default();
     if arguments.measure {
-        arguments.measure(&mut prepared, &mut report)?;
+        let found = arguments.measure(&mut prepared, &mut report)?;
+        match (found, &arguments.output) {
+            (None, _) => say("direkt: interrupted before one round was finished"),
+            (Some(prices), path) => {
+                if let Some(path) = path {
+                    draw(&plan, path, plot::of(&report.scene, &prices), &mut failures);
+                }
+                report.measured = Some(prices);
+            }
+        }
     }
-    arguments.json.write(&report)?;
+    failures.note(arguments.json.write(&plan, &report));
     if !arguments.json.is_stdout() {
-        print(&text::of(&report))?;
+        print(&text::of(&report));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(failures.exit_code(ExitCode::SUCCESS))
 }
 
 impl Arguments {
-    /// Refuses what could not be written in the end, before anything is measured.
-    fn check_output(&self) -> Result<(), Error> {
-        let Some(path) = self.output.as_deref() else {
-            return Ok(());
-        };
-        let name = path.display();
-        if path.is_dir() || extension(path).is_empty() {
-            return if path.is_file() {
-                Err(Error::Usage(format!("{name} is a file; name a folder")))
-            } else {
-                Ok(())
-            };
+    /// What is going to be written.
+    fn plan(&self) -> Result<Plan, Error> {
+        let mut plan = Plan::default();
+        match &self.output {
+            None => {}
+            Some(path) if is_folder(path) => plan.folder("-o", path, &PLOTS.map(str::to_owned))?,
+            Some(path) if matches!(extension(path).as_str(), "svg" | "png") => {
+                plan.file("-o", path)?;
+            }
+            Some(path) => {
+                return Err(Error::Usage(format!(
+                    "{}: a plot ends in .svg or .png; name such a file or a folder",
+                    path.display()
+                )));
+            }
         }
-        if matches!(extension(path).as_str(), "svg" | "png") {
-            return Ok(());
-        }
-        Err(Error::Usage(format!(
-            "{name}: a plot ends in .svg or .png; name such a file or a folder"
-        )))
+        self.json.plan(&mut plan)?;
+        Ok(plan)
     }
 
-    /// Measures, and draws what came out.
-    fn measure(&self, prepared: &mut Prepared, report: &mut Report) -> Result<(), Error> {
+    /// Measures; `None` where Ctrl-C came too early.
+    fn measure(
+        &self,
+        prepared: &mut Prepared,
+        report: &mut Report,
+    ) -> Result<Option<Prices>, Error> {
         let context = Context::new(self.adapter.adapter.as_deref())?;
         let interrupt = Interrupt::listen();
+        interrupt.defer();
         let progress = Bar::new(self.budget, self.quiet);
         let mut show = |what: &str, spent: f64| progress.show(what, spent);
         let stop = || interrupt.came();
@@ -168,14 +184,16 @@ impl Arguments {
         let found = price::measure(&context, prepared, wanted, &mut show, &stop)?;
         progress.finish();
         report.adapter = Some(context.adapter.clone());
-        match (&found, &self.output) {
-            (None, _) => eprintln!("direkt: interrupted before one round was finished"),
-            (Some(prices), Some(path)) => draw(path, &report.scene, prices)?,
-            (Some(_), None) => {}
-        }
-        report.measured = found;
-        Ok(())
+        Ok(found)
     }
+}
+
+/// What the plots in a folder are called.
+const PLOTS: [&str; 2] = ["explain.svg", "explain.png"];
+
+/// Whether `-o` names a folder, there or not yet.
+fn is_folder(path: &Path) -> bool {
+    path.is_dir() || extension(path).is_empty()
 }
 
 /// An effect by its name.
@@ -188,20 +206,20 @@ pub(super) fn parse_effect(name: &str) -> Result<Effect, String> {
     })
 }
 
-/// Writes the plot to a file, or as `explain.svg` and `explain.png` into a folder, which is made if need be.
-fn draw(path: &Path, scene: &str, prices: &Prices) -> Result<(), Error> {
-    let svg = plot::of(scene, prices);
-    match extension(path).as_str() {
-        "svg" if !path.is_dir() => write_atomically(path, svg.file().as_bytes()),
-        "png" if !path.is_dir() => write_atomically(path, &raster::png(&svg)?),
-        _ => {
-            std::fs::create_dir_all(path).map_err(|source| Error::Write {
-                path: path.to_path_buf(),
-                source,
-            })?;
-            write_atomically(&path.join("explain.svg"), svg.file().as_bytes())?;
-            write_atomically(&path.join("explain.png"), &raster::png(&svg)?)
-        }
+/// Writes the plot to a file, or both kinds of file into a folder.
+fn draw(plan: &Plan, path: &Path, plot: Svg, failures: &mut Failures) {
+    let files = if is_folder(path) {
+        let folder = usable(path.to_path_buf(), failures);
+        PLOTS.map(|name| folder.join(name)).to_vec()
+    } else {
+        vec![path.to_path_buf()]
+    };
+    for file in files {
+        let bytes = match extension(&file).as_str() {
+            "png" => raster::png(&plot),
+            _ => Ok(plot.file().into_bytes()),
+        };
+        failures.note(bytes.and_then(|bytes| plan.write(&file, &bytes)));
     }
 }
 

@@ -1,9 +1,10 @@
 //! `direkt lab`: the experiments of a lecture on Monte Carlo integration.
 
-use super::{AdapterArgument, JsonArgument, print};
+use super::plan::{Failures, Plan, usable};
+use super::{AdapterArgument, JsonArgument};
+use crate::console::print;
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
-use crate::image::write_atomically;
 use crate::lab::report::Report;
 use crate::lab::{Experiment, Settings, run as run_experiment};
 use serde::Serialize;
@@ -56,22 +57,27 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     settings
         .validate()
         .map_err(|e| Error::Usage(format!("--samples: {e}")))?;
+    let mut plan = Plan::default();
     if let Some(folder) = &arguments.output {
-        make_folder(folder)?;
+        plan.folder("-o", folder, &[])?;
     }
+    arguments.json.plan(&mut plan)?;
+    let mut failures = Failures::default();
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
     let to_stdout = !arguments.json.is_stdout();
     if to_stdout {
-        print(&heading(&context, arguments))?;
+        print(&heading(&context, arguments));
     }
     let mut experiments = Vec::new();
+    let mut folder = arguments.output.clone();
     for experiment in chosen(&arguments.experiments) {
         let report = run_experiment(&context, experiment, &settings)?;
         if to_stdout {
-            print(&report.text())?;
+            print(&report.text());
         }
-        if let Some(folder) = &arguments.output {
-            write_plots(folder, &report)?;
+        folder = folder.map(|folder| usable(folder, &mut failures));
+        if let Some(folder) = &folder {
+            write_plots(&plan, folder, &report, &mut failures);
         }
         experiments.push(report);
     }
@@ -84,19 +90,19 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         agrees: experiments.iter().all(Report::agrees),
         experiments,
     };
-    arguments.json.write(&facts)?;
+    failures.note(arguments.json.write(&plan, &facts));
     if to_stdout {
         print(if facts.agrees {
             "verdict: all measured values agree with the exact ones\n"
         } else {
             "verdict: measured values DIFFER from the exact ones\n"
-        })?;
+        });
     }
-    Ok(if facts.agrees {
+    Ok(failures.exit_code(if facts.agrees {
         ExitCode::SUCCESS
     } else {
         ExitCode::FAILURE
-    })
+    }))
 }
 
 /// All where none was named; each once, in the order of the lecture.
@@ -118,25 +124,11 @@ fn heading(context: &Context, arguments: &Arguments) -> String {
     )
 }
 
-fn make_folder(folder: &Path) -> Result<(), Error> {
-    if folder.is_file() {
-        return Err(Error::Usage(format!(
-            "{} is a file; name a folder",
-            folder.display()
-        )));
-    }
-    std::fs::create_dir_all(folder).map_err(|source| Error::Write {
-        path: folder.to_path_buf(),
-        source,
-    })
-}
-
-fn write_plots(folder: &Path, report: &Report) -> Result<(), Error> {
+fn write_plots(plan: &Plan, folder: &Path, report: &Report, failures: &mut Failures) {
     for plot in &report.plots {
         let path = folder.join(format!("{}.svg", plot.file));
-        write_atomically(&path, plot.draw().file().as_bytes())?;
+        failures.note(plan.write(&path, plot.draw().file().as_bytes()));
     }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -10,14 +10,18 @@ mod interrupt;
 mod lab;
 mod outputs;
 mod passes;
+mod plan;
 #[cfg(feature = "window")]
 mod preview;
 mod progress;
 mod render;
 mod settings;
 
+use crate::console::{self, say};
 use crate::error::Error;
+use crate::output::{self, Destination};
 use clap::{Parser, Subcommand};
+use plan::Plan;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -51,6 +55,7 @@ enum Command {
 /// Parses the command line, runs the command and reports its error; the exit code is 0 for success, 1 for a failed
 /// check or a failing driver, 2 for wrong use or bad input.
 pub fn main() -> ExitCode {
+    interrupt::survive_size_limit();
     let cli = Cli::parse();
     let result = match cli.command {
         Command::Render(arguments) => render::run(&arguments),
@@ -62,12 +67,16 @@ pub fn main() -> ExitCode {
         Command::Lab(arguments) => lab::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
     };
-    match result {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("direkt: {error}");
-            ExitCode::from(error.exit_code())
+    let code = result.unwrap_or_else(|error| {
+        say(format_args!("direkt: {error}"));
+        ExitCode::from(error.exit_code())
+    });
+    match console::stdout_failure() {
+        Some(error) => {
+            say(format_args!("direkt: stdout: cannot be written: {error}"));
+            ExitCode::FAILURE
         }
+        None => code,
     }
 }
 
@@ -88,32 +97,39 @@ struct JsonArgument {
 }
 
 impl JsonArgument {
-    fn write(&self, facts: &impl serde::Serialize) -> Result<(), Error> {
+    /// Adds the file to what the command is going to write.
+    fn plan(&self, plan: &mut Plan) -> Result<(), Error> {
+        match &self.json {
+            Some(path) if path.as_os_str() != STDOUT => plan.file("--json", path).map(|_| ()),
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes `facts`, or saves them elsewhere.
+    fn write(&self, plan: &Plan, facts: &impl serde::Serialize) -> Result<(), Error> {
         let Some(path) = &self.json else {
             return Ok(());
         };
         let mut text = serde_json::to_string_pretty(facts).expect("facts are plain data");
         text.push('\n');
-        if path.as_os_str() == "-" {
-            print(&text)
-        } else {
-            crate::image::write_atomically(path, text.as_bytes())
+        if path.as_os_str() != STDOUT {
+            return plan.write(path, text.as_bytes());
         }
-    }
-
-    fn is_stdout(&self) -> bool {
-        self.json.as_deref() == Some(Path::new("-"))
-    }
-}
-
-/// Writes to stdout; a reader that went away is no reason to panic.
-fn print(text: &str) -> Result<(), Error> {
-    use std::io::Write;
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(source) if source.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::Write {
+        console::write_stdout(text.as_bytes()).map_err(|source| Error::Write {
             path: PathBuf::from("stdout"),
             source,
-        }),
-        _ => Ok(()),
+            saved_as: output::save_elsewhere(Path::new("direkt.json"), text.as_bytes()),
+        })
+    }
+
+    /// Whether nothing else may be printed.
+    fn is_stdout(&self) -> bool {
+        let is_stdout = |path: &PathBuf| {
+            path.as_os_str() == STDOUT || Destination::of(path) == Ok(Destination::Stdout)
+        };
+        self.json.as_ref().is_some_and(is_stdout)
     }
 }
+
+/// What `--json` calls the standard output.
+const STDOUT: &str = "-";

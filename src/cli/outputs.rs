@@ -1,5 +1,6 @@
 //! The files that a render writes.
 
+use super::plan::Plan;
 use crate::error::Error;
 use crate::image::exr::Channel;
 use crate::image::{ToneMapper, exr, extension, png};
@@ -17,6 +18,9 @@ pub struct OutputArguments {
         required_unless_present = "check"
     )]
     pub output: Vec<PathBuf>,
+    /// Write radiance alone to .exr files, for programs that take no further layers
+    #[arg(long, requires = "output", conflicts_with = "aovs")]
+    plain: bool,
     /// Exposure of the PNG in stops
     #[arg(
         long,
@@ -31,8 +35,8 @@ pub struct OutputArguments {
 }
 
 impl OutputArguments {
-    /// Refuses what could not be written in the end, before anything is rendered.
-    pub fn check(&self, scene: &Path) -> Result<(), Error> {
+    /// Adds the images to what the command is going to write.
+    pub fn plan(&self, plan: &mut Plan) -> Result<(), Error> {
         if !self.exposure.is_finite() {
             return Err(Error::Usage(format!(
                 "--exposure {}: a finite number is needed",
@@ -40,65 +44,46 @@ impl OutputArguments {
             )));
         }
         for path in &self.output {
-            check_image_path(path, scene)?;
+            plan.image("-o", path)?;
+        }
+        if self.plain && !self.has_exr() {
+            return Err(Error::Usage(
+                "--plain: it is about EXR files; add an output such as -o out.exr".to_owned(),
+            ));
         }
         Ok(())
     }
 
     /// Whether one of them has channels beside radiance.
-    pub fn has_exr(&self) -> bool {
+    pub fn has_layers(&self) -> bool {
+        self.has_exr() && !self.plain
+    }
+
+    fn has_exr(&self) -> bool {
         self.output.iter().any(|path| extension(path) == "exr")
     }
 
-    /// Writes all files, EXRs with `further` channels.
-    pub fn write(
-        &self,
-        film: &Film,
-        further: &[Channel],
-        attributes: &[(&str, String)],
-    ) -> Result<(), Error> {
-        for path in &self.output {
-            if extension(path) == "exr" {
-                exr::write(path, film, further, attributes)?;
-            } else {
-                let display = png::Display {
-                    exposure: self.exposure,
-                    tone: self.tone,
-                };
-                png::write(path, film, &display)?;
-            }
+    /// Each file with its content, EXRs with `further` channels.
+    pub fn encode<'a>(
+        &'a self,
+        film: &'a Film,
+        further: &'a [Channel],
+        attributes: &'a [(&str, String)],
+    ) -> impl Iterator<Item = (&'a Path, Result<Vec<u8>, Error>)> {
+        self.output.iter().map(move |path| {
+            let encoded = match extension(path).as_str() {
+                "exr" if self.plain => exr::encode_plain(film, attributes),
+                "exr" => exr::encode(film, further, attributes),
+                _ => png::encode(film, &self.display()),
+            };
+            (path.as_path(), encoded.map_err(|e| Error::write(path, e)))
+        })
+    }
+
+    fn display(&self) -> png::Display {
+        png::Display {
+            exposure: self.exposure,
+            tone: self.tone,
         }
-        Ok(())
     }
-}
-
-/// Refuses a file that an image cannot be written to, before anything is rendered.
-pub fn check_image_path(path: &Path, scene: &Path) -> Result<(), Error> {
-    let name = path.display();
-    if !matches!(extension(path).as_str(), "exr" | "png") {
-        return Err(Error::Usage(format!(
-            "{name}: an image file ends in .exr or .png"
-        )));
-    }
-    if path.is_dir() {
-        return Err(Error::Usage(format!("{name} is a folder; name a file")));
-    }
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    if !folder.is_dir() {
-        return Err(Error::Usage(format!(
-            "{name}: there is no folder {}",
-            folder.display()
-        )));
-    }
-    if path.exists() && same_file(path, scene) {
-        return Err(Error::Usage(format!("{name} is the scene itself")));
-    }
-    Ok(())
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }

@@ -23,6 +23,13 @@ pub enum StoppedBy {
     Black,
     /// The user.
     Interrupt,
+    /// The driver, which failed.
+    Failure,
+}
+
+/// As long as `seconds`, which are positive; more than any clock counts is forever.
+pub fn duration(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
 }
 
 /// How the passes went.
@@ -47,17 +54,18 @@ pub struct Passes<'a> {
 }
 
 impl<'a> Passes<'a> {
-    /// Those of `scene`, from now on.
-    pub fn new(scene: &'a Scene, quiet: bool) -> Self {
+    /// Those of `scene`, from now on, until `interrupt` comes.
+    pub fn new(scene: &'a Scene, interrupt: Interrupt, quiet: bool) -> Self {
+        interrupt.defer();
         let settings = scene.render;
-        let time = settings.time.map(Duration::from_secs_f64);
+        let time = settings.time.map(duration);
         let goal = settings.error.map(|relative| ErrorGoal {
             relative,
             confidence: settings.confidence,
         });
         Self {
             scene,
-            interrupt: Interrupt::listen(),
+            interrupt,
             time,
             progress: Progress::new(settings.spp, time, quiet),
             start: Instant::now(),
@@ -102,11 +110,16 @@ impl<'a> Passes<'a> {
             };
             break;
         }
+        Ok(self.end(stopped_by))
+    }
+
+    /// How they went until `stopped_by` ended them.
+    pub fn end(&self, stopped_by: StoppedBy) -> Progressed {
         self.progress.finish();
-        Ok(Progressed {
+        Progressed {
             passes: self.passes,
             seconds: self.start.elapsed().as_secs_f64(),
             stopped_by,
-        })
+        }
     }
 }

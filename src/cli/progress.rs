@@ -2,6 +2,7 @@
 
 use crate::error::GpuError;
 use crate::render::{ImageError, Session};
+use crate::report::format::seconds as in_unit;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
 
@@ -76,9 +77,10 @@ impl Progress {
         let left = seconds / done.max(1e-9) * (1.0 - done);
         self.bar.set_position((done * 1000.0) as u64);
         self.bar.set_message(format!(
-            "pass {passes} · {} spp · {rate:.1} M samples/s · {:.1} M rays/s{error} · {left:.0} s left",
+            "pass {passes} · {} spp · {rate:.1} M samples/s · {:.1} M rays/s{error} · {} left",
             session.samples(),
             rate * self.rays_per_sample,
+            in_unit(left),
         ));
         Ok(())
     }

@@ -4,19 +4,22 @@ mod live;
 mod report;
 
 use super::check::{CheckArgument, print_verdict};
+use super::interrupt::Interrupt;
 use super::outputs::OutputArguments;
 use super::passes::{Passes, Progressed, StoppedBy};
+use super::plan::{Failures, Plan};
 use super::settings::{AovArguments, EstimatorArguments, SceneArguments, warn};
 use super::{AdapterArgument, JsonArgument};
-use crate::error::Error;
+use crate::console::say;
+use crate::error::{Error, GpuError};
 use crate::gpu::{AdapterFacts, Context};
 use crate::image::layers;
 use crate::render::{
-    AovImages, Film, Prepared, RayCounts, Session, render_aovs, render_through_losses,
+    AovImages, Failure, Film, Prepared, RayCounts, Session, render_aovs, render_keeping_image,
 };
 use crate::scene::{Aovs, Scene};
 use live::{Live, LiveArguments};
-use report::{Report, Seconds, attributes, ledger_sentence, report, summary};
+use report::{Seconds, attributes, ledger_sentence, report, summary};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -71,17 +74,17 @@ impl SettingsArguments {
         }
         if let Some(time) = self.time.filter(|t| !(*t > 0.0 && t.is_finite())) {
             return refuse(format!(
-                "--time {time}: a positive number of seconds is needed"
+                "--time {time:?}: a positive number of seconds is needed"
             ));
         }
         if let Some(error) = self.error.filter(|e| !(*e > 0.0 && e.is_finite())) {
             return refuse(format!(
-                "--error {error}: a positive number such as 0.01 is needed"
+                "--error {error:?}: a positive number such as 0.01 is needed"
             ));
         }
         if let Some(confidence) = self.confidence.filter(|c| !(*c > 0.0 && *c < 1.0)) {
             return refuse(format!(
-                "--confidence {confidence}: a probability such as 0.95 is needed, above 0 and below 1"
+                "--confidence {confidence:?}: a probability such as 0.95 is needed, above 0 and below 1"
             ));
         }
         let render = &mut scene.render;
@@ -98,9 +101,17 @@ impl SettingsArguments {
 }
 
 impl Arguments {
+    /// What is going to be written.
+    fn plan(&self) -> Result<Plan, Error> {
+        let mut plan = Plan::default();
+        self.outputs.plan(&mut plan)?;
+        self.json.plan(&mut plan)?;
+        Ok(plan)
+    }
+
     /// Refuses AOVs that no file would hold; those of the scene file are left out then.
     fn keep_aovs(&self, scene: &mut Scene) -> Result<(), Error> {
-        if self.outputs.has_exr() || scene.render.aovs.is_empty() {
+        if self.outputs.has_layers() || scene.render.aovs.is_empty() {
             return Ok(());
         }
         if !self.settings.aov.aovs.is_empty() {
@@ -109,69 +120,113 @@ impl Arguments {
             ));
         }
         if !self.outputs.output.is_empty() {
-            eprintln!(
-                "direkt: warning: {}: render.aovs: only an EXR holds AOVs, and no output is one; they are left out",
+            say(format_args!(
+                "direkt: warning: {}: render.aovs: only an EXR with layers holds AOVs, and no output is one; they are left out",
                 scene.source.display()
-            );
+            ));
         }
         scene.render.aovs = Aovs::default();
         Ok(())
+    }
+
+    /// Reads the scene and refuses what could not be rendered or written in the end.
+    fn load(&self, plan: &mut Plan) -> Result<Scene, Error> {
+        let mut scene = self.scene.load(plan)?;
+        self.settings.apply(&mut scene)?;
+        self.keep_aovs(&mut scene)?;
+        self.check.before(&scene)?;
+        warn(&scene);
+        Ok(scene)
     }
 }
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let start = Instant::now();
-    arguments.outputs.check(&arguments.scene.scene)?;
-    let mut scene = arguments.scene.load()?;
-    arguments.settings.apply(&mut scene)?;
-    arguments.keep_aovs(&mut scene)?;
-    arguments.check.before(&scene)?;
+    let interrupt = Interrupt::listen();
+    let mut plan = arguments.plan()?;
+    let scene = arguments.load(&mut plan)?;
     let load_seconds = start.elapsed().as_secs_f64();
-    warn(&scene);
     let settings = scene.render;
-    let open = || Context::new(arguments.adapter.adapter.as_deref());
     let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
     if let Some(bias) = prepared.bias() {
-        eprintln!("direkt: warning: {bias}");
+        say(format_args!("direkt: warning: {bias}"));
     }
     let quiet = arguments.quiet || arguments.json.is_stdout();
     let mut live = Live::new(&arguments.live, &arguments.outputs, &prepared.scene)?;
-    let mut passes = None;
-    let work = |session: &mut Session<'_>| {
-        let passes = passes.get_or_insert_with(|| {
-            announce(&prepared.scene, session, quiet);
-            Passes::new(&prepared.scene, quiet)
-        });
-        let progressed = passes.take(session, |session| live.look(session))?;
-        Rendered::new(progressed, session, &prepared)
-    };
-    let rendered = render_through_losses(open, &prepared, work, |error, samples| {
-        eprintln!(
-            "direkt: warning: {error}; going on with the {samples} samples per pixel that are safe"
-        );
-    })?;
+    let mut failures = Failures::default();
+    let rendered = render(
+        arguments,
+        &prepared,
+        interrupt,
+        quiet,
+        &mut live,
+        &mut failures,
+    )?;
     if rendered.rays.camera == 0 {
-        eprintln!("direkt: interrupted before the first sample, nothing was written");
+        say("direkt: interrupted before the first sample, nothing was written");
         return Ok(ExitCode::FAILURE);
     }
     let seconds = Seconds {
         load: load_seconds,
         accel: prepared.accel_seconds,
-        compile: rendered.compile_seconds,
+        compile: rendered.device.compile_seconds,
         render: rendered.progressed.seconds,
         aovs: rendered.aov_seconds,
         total: start.elapsed().as_secs_f64(),
     };
-    let film = &rendered.film;
-    let mut report = report(&prepared, &rendered, seconds);
-    let channels = layers::channels(&prepared, film, &rendered.aovs);
-    let mut attributes = attributes(&report);
-    attributes.extend(layers::attributes(&prepared, &rendered.aovs));
-    live.end(film);
-    arguments.outputs.write(film, &channels, &attributes)?;
-    report.check = arguments.check.compare(&prepared.scene, film)?;
-    finish(arguments, &report, quiet)
+    live.end(&rendered.film);
+    finish(arguments, &plan, &prepared, (rendered, seconds), failures)
+}
+
+/// Takes the passes. Where the driver fails after the first ones, that is a failure of its own, and the image so far is returned.
+fn render(
+    arguments: &Arguments,
+    prepared: &Prepared,
+    interrupt: Interrupt,
+    quiet: bool,
+    live: &mut Live<'_>,
+    failures: &mut Failures,
+) -> Result<Rendered, Error> {
+    let open = || Context::new(arguments.adapter.adapter.as_deref());
+    let mut begun = None;
+    let work = |session: &mut Session<'_>| {
+        let (passes, device) = begun.get_or_insert_with(|| {
+            announce(&prepared.scene, session, quiet);
+            let passes = Passes::new(&prepared.scene, interrupt.clone(), quiet);
+            (passes, Device::of(session))
+        });
+        *device = Device::of(session);
+        let progressed = passes.take(session, |session| Ok(live.look(session)?))?;
+        Rendered::new(progressed, session, prepared, failures)
+    };
+    let lost = |error: &GpuError, samples| {
+        say(format_args!(
+            "direkt: warning: {error}; going on with the {samples} samples per pixel that are safe"
+        ));
+    };
+    let failure = match render_keeping_image(open, prepared, work, lost) {
+        Ok(rendered) => return Ok(rendered),
+        Err(failure) => failure,
+    };
+    let Failure { error, image } = failure;
+    let (Some(image), Some((passes, device))) = (image, begun) else {
+        return Err(error);
+    };
+    failures.note(Err(error));
+    let (film, rays) = *image;
+    say(format_args!(
+        "direkt: the image of the {} samples per pixel that are safe is written",
+        film.mean_samples()
+    ));
+    Ok(Rendered {
+        film,
+        rays,
+        progressed: passes.end(StoppedBy::Failure),
+        device,
+        aovs: AovImages::default(),
+        aov_seconds: 0.0,
+    })
 }
 
 /// Says what is rendered where.
@@ -179,7 +234,22 @@ fn announce(scene: &Scene, session: &Session<'_>, quiet: bool) {
     if !quiet {
         let AdapterFacts { name, driver, .. } = &session.context().adapter;
         let path = scene.source.display();
-        eprintln!("rendering {path} on {name} ({driver})");
+        say(format_args!("rendering {path} on {name} ({driver})"));
+    }
+}
+
+/// What renders.
+struct Device {
+    adapter: AdapterFacts,
+    compile_seconds: f64,
+}
+
+impl Device {
+    fn of(session: &Session<'_>) -> Self {
+        Self {
+            adapter: session.context().adapter.clone(),
+            compile_seconds: session.compile_seconds,
+        }
     }
 }
 
@@ -188,55 +258,83 @@ struct Rendered {
     film: Film,
     rays: RayCounts,
     progressed: Progressed,
-    compile_seconds: f64,
-    adapter: AdapterFacts,
+    device: Device,
     aovs: AovImages,
     aov_seconds: f64,
 }
 
 impl Rendered {
+    /// The image of `session` with its AOVs; where these fail, but not by the loss of the device, without them.
     fn new(
         progressed: Progressed,
         session: &Session<'_>,
         prepared: &Prepared,
+        failures: &mut Failures,
     ) -> Result<Self, Error> {
         let (film, rays) = session.snapshot()?;
         let start = Instant::now();
         let samples = film.mean_samples();
-        let aovs = if samples > 0 {
-            let image = (film.size, prepared.scene.render.seed);
-            render_aovs(session.context(), prepared, image, samples)?
-        } else {
-            AovImages::default()
+        let image = (film.size, prepared.scene.render.seed);
+        let aovs = match samples {
+            0 => Ok(AovImages::default()),
+            _ => render_aovs(session.context(), prepared, image, samples),
+        };
+        let aovs = match aovs {
+            Err(error) if !matches!(error, GpuError::Lost { .. }) => {
+                failures.note(Err(error.into()));
+                say("direkt: the image is written without AOVs");
+                AovImages::default()
+            }
+            aovs => aovs?,
         };
         Ok(Self {
             film,
             rays,
             progressed,
-            compile_seconds: session.compile_seconds,
-            adapter: session.context().adapter.clone(),
+            device: Device::of(session),
             aovs,
             aov_seconds: start.elapsed().as_secs_f64(),
         })
     }
 }
 
-fn finish(arguments: &Arguments, report: &Report, quiet: bool) -> Result<ExitCode, Error> {
-    arguments.json.write(report)?;
-    if !quiet {
-        eprintln!("{}", summary(&arguments.outputs.output, report));
+/// Writes all that is asked for, and reports.
+fn finish(
+    arguments: &Arguments,
+    plan: &Plan,
+    prepared: &Prepared,
+    (rendered, seconds): (Rendered, Seconds),
+    mut failures: Failures,
+) -> Result<ExitCode, Error> {
+    let film = &rendered.film;
+    let mut report = report(prepared, &rendered, seconds);
+    let channels = layers::channels(prepared, film, &rendered.aovs);
+    let mut attributes = attributes(&report);
+    attributes.extend(layers::attributes(prepared, &rendered.aovs));
+    let mut written = Vec::new();
+    for (path, bytes) in arguments.outputs.encode(film, &channels, &attributes) {
+        if failures.note(bytes.and_then(|bytes| plan.write(path, &bytes))) {
+            written.push(path);
+        }
+    }
+    let checked = arguments.check.compare(&prepared.scene, film);
+    report.check = checked.as_ref().ok().cloned().flatten();
+    failures.note(arguments.json.write(plan, &report));
+    if !(arguments.quiet || arguments.json.is_stdout()) {
+        say(summary(&written, &report));
     }
     if report.stopped_by == StoppedBy::Black {
-        eprintln!("direkt: warning: no sample found any light, so that no --error can be reached");
+        say("direkt: warning: no sample found any light, so that no --error can be reached");
     }
     if report.non_finite.dropped > 0 {
-        eprintln!("direkt: warning: {}", ledger_sentence(&report.non_finite));
+        let sentence = ledger_sentence(&report.non_finite);
+        say(format_args!("direkt: warning: {sentence}"));
     }
-    let Some(check) = &report.check else {
-        return Ok(ExitCode::SUCCESS);
+    let Some(check) = checked? else {
+        return Ok(failures.exit_code(ExitCode::SUCCESS));
     };
     if !arguments.json.is_stdout() {
-        print_verdict(check)?;
+        print_verdict(&check);
     }
-    Ok(ExitCode::from(u8::from(!check.passed)))
+    Ok(failures.exit_code(ExitCode::from(u8::from(!check.passed))))
 }

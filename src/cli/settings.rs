@@ -1,13 +1,15 @@
 //! Arguments that several commands share: the scene, and which estimator is run on it.
 
+use super::plan::Plan;
+use crate::console::say;
 use crate::error::Error;
-use crate::scene::load::{LoadOptions, load};
+use crate::scene::load::{LoadOptions, load_with_files};
 use crate::scene::settings::MAX_SPECULAR_DEPTH;
 use crate::scene::shadow_rays::MAX_SHADOW_RAYS;
 use crate::scene::{
     Aov, FilmSize, LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy, validate,
 };
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Where the files that scenes name are looked up.
 #[derive(Debug, clap::Args)]
@@ -25,16 +27,21 @@ impl AssetArguments {
         }
     }
 
-    /// Reads the scene of `path`.
-    pub fn load(&self, path: &Path) -> Result<Scene, Error> {
-        load(path, &self.options())
+    /// Reads the scene of `path`. Files that `plan` is going to write are refused where it reads them.
+    pub fn load(&self, path: &PathBuf, plan: &mut Plan) -> Result<Scene, Error> {
+        plan.spare([path], "the scene itself")?;
+        let (scene, files) = load_with_files(path, &self.options());
+        let scene = scene?;
+        plan.spare(&files, "a file that the scene reads")?;
+        Ok(scene)
     }
 }
 
 /// Says on stderr what `scene` asks for and direkt does not do.
 pub fn warn(scene: &Scene) {
     for warning in &scene.warnings {
-        eprintln!("direkt: warning: {}: {warning}", scene.source.display());
+        let source = scene.source.display();
+        say(format_args!("direkt: warning: {source}: {warning}"));
     }
 }
 
@@ -48,9 +55,9 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
-    /// Reads the scene.
-    pub fn load(&self) -> Result<Scene, Error> {
-        self.assets.load(&self.scene)
+    /// Reads the scene. Files that `plan` is going to write are refused where it reads them.
+    pub fn load(&self, plan: &mut Plan) -> Result<Scene, Error> {
+        self.assets.load(&self.scene, plan)
     }
 }
 
@@ -65,10 +72,11 @@ pub struct SceneListArguments {
 }
 
 impl SceneListArguments {
-    /// Reads the scenes, and says on stderr what they ask for and direkt does not do.
-    pub fn load(&self) -> Result<Vec<Scene>, Error> {
+    /// Reads the scenes, and says on stderr what they ask for and direkt does not do. Files that `plan` is going to write are
+    /// refused where they read them.
+    pub fn load(&self, plan: &mut Plan) -> Result<Vec<Scene>, Error> {
         let load = |path: &PathBuf| {
-            let scene = self.assets.load(path)?;
+            let scene = self.assets.load(path, plan)?;
             warn(&scene);
             Ok(scene)
         };

@@ -3,7 +3,6 @@
 use super::svg::Svg;
 use crate::error::Error;
 use resvg::{tiny_skia, usvg};
-use std::path::PathBuf;
 
 /// Pixels per unit of a drawing.
 const SCALE: f32 = 2.0;
@@ -13,10 +12,7 @@ const SCALE: f32 = 2.0;
 /// # Errors
 /// The drawing cannot be drawn, which is direkt's own fault or that of memory.
 pub fn png(svg: &Svg) -> Result<Vec<u8>, Error> {
-    let fail = |message: String| Error::Write {
-        path: PathBuf::from("plot as PNG"),
-        source: std::io::Error::other(message),
-    };
+    let fail = |message: String| Error::write("plot as PNG", std::io::Error::other(message));
     let mut options = usvg::Options::default();
     let fonts = options.fontdb_mut();
     fonts.load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());

@@ -1,8 +1,11 @@
-//! 32-bit float images: radiance (`R`, `G`, `B`), the number of samples (`samples`) and the standard error of
-//! each mean (`standard_error.R`, …), with what produced them as attributes; AOVs beside them where some are asked for.
+//! 32-bit float images: radiance (`R`, `G`, `B`), and in layers of their own the number of samples (`samples.X`), the standard
+//! error of each mean (`standard_error.R`, …) and AOVs where some are asked for, with what produced them as attributes.
+//!
+//! A layer is what stands before the last dot of channels' names (OpenEXR's convention); what has no dot is the layer of colours.
+//! Readers of colours, such as Mitsuba's, refuse one that holds anything else.
 
-use super::write_atomically;
 use crate::error::Error;
+use crate::output;
 use crate::render::Film;
 use crate::scene::FilmSize;
 use ::exr::prelude::{
@@ -10,14 +13,16 @@ use ::exr::prelude::{
     LayerAttributes, Text, WritableImage,
 };
 use rayon::prelude::*;
+use std::io;
 use std::path::Path;
 
 /// A channel: its name, and its values row by row.
 pub type Channel = (String, Vec<f32>);
 
-/// Writes the film with `further` channels and with `attributes` (name, text).
-///
-/// While a pixel has fewer than two samples standard errors are not known: there stands [`UNKNOWN_ERROR`].
+/// Stands in the standard-error channels while a pixel has fewer than two samples.
+pub const UNKNOWN_ERROR: f32 = -1.0;
+
+/// Writes the film with `further` channels and with `attributes` (name, text); see [`encode`].
 ///
 /// # Errors
 /// The file cannot be written.
@@ -27,52 +32,80 @@ pub fn write(
     further: &[Channel],
     attributes: &[(&str, String)],
 ) -> Result<(), Error> {
-    let channel = |name: &str, value: &(dyn Fn(usize) -> f32 + Sync)| {
-        let values: Vec<f32> = (0..film.pixels.len()).into_par_iter().map(value).collect();
-        (name.to_owned(), values)
-    };
-    let variances = film.variances();
-    let mut channels = Vec::new();
-    for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
-        channels.push(channel(name, &|i| film.pixels[i].mean[c] as f32));
-        channels.push(channel(&format!("standard_error.{name}"), &|i| {
-            variances
-                .as_ref()
-                .map_or(UNKNOWN_ERROR, |v| v[i][c].sqrt() as f32)
-        }));
-    }
-    channels.push(channel("samples", &|i| film.pixels[i].samples as f32));
-    channels.extend(further.iter().cloned());
-    write_channels(path, film.size, channels, attributes)
+    let bytes = encode(film, further, attributes).map_err(|e| Error::write(path, e))?;
+    output::write(path, &bytes)
 }
 
-/// Writes named channels of 32-bit floats, row by row, with `attributes` (name, text).
+/// The film with its standard errors, its numbers of samples, `further` channels and `attributes` (name, text), as an EXR.
+///
+/// While a pixel has fewer than two samples standard errors are not known: there stands [`UNKNOWN_ERROR`].
 ///
 /// # Errors
-/// The file cannot be written.
-pub fn write_channels(
-    path: &Path,
+/// The format cannot hold it.
+pub fn encode(
+    film: &Film,
+    further: &[Channel],
+    attributes: &[(&str, String)],
+) -> io::Result<Vec<u8>> {
+    let variances = film.variances();
+    let mut channels = radiance(film);
+    for (c, name) in RGB.into_iter().enumerate() {
+        let error = |i: usize| {
+            let variances = variances.as_ref();
+            variances.map_or(UNKNOWN_ERROR, |v| v[i][c].sqrt() as f32)
+        };
+        channels.push(channel(film, &format!("standard_error.{name}"), error));
+    }
+    let samples = |i: usize| film.pixels[i].samples as f32;
+    channels.push(channel(film, "samples.X", samples));
+    channels.extend(further.iter().cloned());
+    encode_channels(film.size, channels, attributes)
+}
+
+/// The film's radiance alone with `attributes` (name, text), as an EXR: for readers that take no further layers.
+///
+/// # Errors
+/// The format cannot hold it.
+pub fn encode_plain(film: &Film, attributes: &[(&str, String)]) -> io::Result<Vec<u8>> {
+    encode_channels(film.size, radiance(film), attributes)
+}
+
+const RGB: [&str; 3] = ["R", "G", "B"];
+
+fn radiance(film: &Film) -> Vec<Channel> {
+    let channels = RGB.into_iter().enumerate();
+    let channels = channels.map(|(c, name)| channel(film, name, |i| film.pixels[i].mean[c] as f32));
+    channels.collect()
+}
+
+fn channel(film: &Film, name: &str, value: impl Fn(usize) -> f32 + Send + Sync) -> Channel {
+    let values = (0..film.pixels.len()).into_par_iter().map(value);
+    (name.to_owned(), values.collect())
+}
+
+/// Named channels of 32-bit floats, row by row, with `attributes` (name, text), as an EXR.
+///
+/// # Errors
+/// The format cannot hold them.
+pub fn encode_channels(
     size: FilmSize,
     channels: Vec<Channel>,
     attributes: &[(&str, String)],
-) -> Result<(), Error> {
-    let fail = |e: ::exr::error::Error| Error::Write {
-        path: path.to_path_buf(),
-        source: std::io::Error::other(e),
-    };
-    let channels = channels
-        .into_iter()
-        .map(|(name, values)| AnyChannel::new(name.as_str(), FlatSamples::F32(values)));
+) -> io::Result<Vec<u8>> {
+    let channels = channels.into_iter().map(|(name, values)| AnyChannel {
+        name: text(&name),
+        sample_data: FlatSamples::F32(values),
+        quantize_linearly: false,
+        sampling: ::exr::math::Vec2(1, 1),
+    });
     let size = (size.width as usize, size.height as usize);
     let mut layer = LayerAttributes {
-        software_name: Some(Text::from(concat!("direkt ", env!("CARGO_PKG_VERSION")))),
+        software_name: Some(text(concat!("direkt ", env!("CARGO_PKG_VERSION")))),
         ..LayerAttributes::default()
     };
-    for (name, text) in attributes {
-        layer.other.insert(
-            Text::from(*name),
-            AttributeValue::Text(Text::from(text.as_str())),
-        );
+    for (name, value) in attributes {
+        let value = AttributeValue::Text(text(value));
+        layer.other.insert(text(name), value);
     }
     let layer = Layer::new(
         size,
@@ -80,14 +113,16 @@ pub fn write_channels(
         Encoding::FAST_LOSSLESS,
         AnyChannels::sort(channels.collect()),
     );
-    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut bytes = io::Cursor::new(Vec::new());
     Image::empty(ImageAttributes::with_size(size))
         .with_layer(layer)
         .write()
         .to_buffered(&mut bytes)
-        .map_err(fail)?;
-    write_atomically(path, &bytes.into_inner())
+        .map_err(io::Error::other)?;
+    Ok(bytes.into_inner())
 }
 
-/// Stands in the standard-error channels while a pixel has fewer than two samples.
-pub const UNKNOWN_ERROR: f32 = -1.0;
+/// `text` in UTF-8, as OpenEXR's own tools write it.
+fn text(text: &str) -> Text {
+    Text::from_slice_unchecked(text.as_bytes())
+}

@@ -1,10 +1,12 @@
 //! 8-bit sRGB images.
 
 use super::tone::{ToneMapper, srgb_8_bit};
-use super::write_atomically;
 use crate::error::Error;
+use crate::output;
 use crate::render::Film;
+use crate::scene::FilmSize;
 use image::{ImageEncoder, codecs::png::PngEncoder};
+use std::io;
 use std::path::Path;
 
 /// How a film becomes display values.
@@ -34,22 +36,33 @@ impl Display {
 /// # Errors
 /// The file cannot be written.
 pub fn write(path: &Path, film: &Film, display: &Display) -> Result<(), Error> {
-    let bytes: Vec<u8> = film
-        .pixels
-        .iter()
-        .flat_map(|p| display.encode(p.mean))
-        .collect();
+    let bytes = encode(film, display).map_err(|e| Error::write(path, e))?;
+    output::write(path, &bytes)
+}
+
+/// The film's means as a PNG.
+///
+/// # Errors
+/// The format cannot hold them.
+pub fn encode(film: &Film, display: &Display) -> io::Result<Vec<u8>> {
+    let pixels = film.pixels.iter();
+    encode_rgb(film.size, pixels.map(|p| display.encode(p.mean)))
+}
+
+/// 8-bit colours, row by row, as a PNG.
+///
+/// # Errors
+/// The format cannot hold them.
+pub fn encode_rgb(size: FilmSize, pixels: impl Iterator<Item = [u8; 3]>) -> io::Result<Vec<u8>> {
+    let bytes: Vec<u8> = pixels.flatten().collect();
     let mut png = Vec::new();
     PngEncoder::new(&mut png)
         .write_image(
             &bytes,
-            film.size.width,
-            film.size.height,
+            size.width,
+            size.height,
             image::ExtendedColorType::Rgb8,
         )
-        .map_err(|e| Error::Write {
-            path: path.to_path_buf(),
-            source: std::io::Error::other(e),
-        })?;
-    write_atomically(path, &png)
+        .map_err(io::Error::other)?;
+    Ok(png)
 }

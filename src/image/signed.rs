@@ -1,47 +1,30 @@
 //! Images of signed values: differences and z-scores.
 
-use super::exr::write_channels;
-use super::write_atomically;
-use crate::error::Error;
+use super::{exr, png};
 use crate::scene::FilmSize;
-use image::{ImageEncoder, codecs::png::PngEncoder};
+use std::io;
 use std::path::Path;
 
-/// Writes signed values, three per pixel, row by row: an EXR holds them as they are; a PNG shows the value of largest
-/// size in each pixel, from blue at −`scale` over white at 0 to red at `scale`.
+/// Signed values, three per pixel, row by row, as the name `path` says: an EXR holds them as they are; a PNG shows the value of
+/// largest size in each pixel, from blue at −`scale` over white at 0 to red at `scale`.
 ///
 /// # Errors
-/// The file cannot be written.
-pub fn write(
+/// The format cannot hold them.
+pub fn encode(
     path: &Path,
     size: FilmSize,
     values: &[[f64; 3]],
     scale: f64,
     attributes: &[(&str, String)],
-) -> Result<(), Error> {
+) -> io::Result<Vec<u8>> {
     if super::extension(path) == "exr" {
         let channel = |c: usize| -> Vec<f32> { values.iter().map(|v| v[c] as f32).collect() };
         let channels = ["R", "G", "B"].iter().enumerate();
         let channels = channels.map(|(c, name)| ((*name).to_owned(), channel(c)));
-        return write_channels(path, size, channels.collect(), attributes);
+        return exr::encode_channels(size, channels.collect(), attributes);
     }
-    let bytes: Vec<u8> = values
-        .iter()
-        .flat_map(|v| colour(largest(*v) / scale))
-        .collect();
-    let mut png = Vec::new();
-    PngEncoder::new(&mut png)
-        .write_image(
-            &bytes,
-            size.width,
-            size.height,
-            image::ExtendedColorType::Rgb8,
-        )
-        .map_err(|e| Error::Write {
-            path: path.to_path_buf(),
-            source: std::io::Error::other(e),
-        })?;
-    write_atomically(path, &png)
+    let pixels = values.iter().map(|v| colour(largest(*v) / scale));
+    png::encode_rgb(size, pixels)
 }
 
 /// The value of largest size.

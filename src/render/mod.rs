@@ -18,7 +18,7 @@ pub use error::{CONFIDENCE, ImageError, tile_sums, unit_side};
 pub use film::{Film, FirstBad, Ledger, Pixel};
 pub use goal::ErrorGoal;
 pub use prepare::{Patterns, Prepared};
-pub use recover::render_through_losses;
+pub use recover::{Failure, render_keeping_image, render_through_losses};
 pub use session::checkpoint::Checkpoint;
 pub use session::{RayCounts, Session, StopReason};
 pub use stamps::Stamps;

@@ -17,6 +17,10 @@ pub struct Figure {
     pub svg: Svg,
 }
 
+/// What the files of all plots are called.
+pub const NAMES: [&str; 4] = ["error-time", "error-samples", "efficiency", EFFECTS];
+const EFFECTS: &str = "effects";
+
 /// Number of an estimator's colour: that of its strategy, the same on every page; where there is one strategy alone, further
 /// ones for the effects that are compiled in without need.
 fn series(cost: &SceneCost, estimator: &EstimatorCost) -> usize {
@@ -97,9 +101,9 @@ pub fn of(cost: &SceneCost) -> [Figure; 3] {
     let axis = "efficiency 1/(relMSE · seconds), per second";
     let efficiency = bars::draw("Efficiency", axis, &bars);
     [
-        ("error-time", time),
-        ("error-samples", samples),
-        ("efficiency", efficiency),
+        (NAMES[0], time),
+        (NAMES[1], samples),
+        (NAMES[2], efficiency),
     ]
     .map(|(name, svg)| Figure { name, svg })
 }
@@ -115,7 +119,7 @@ pub fn effects(cost: &SceneCost) -> Option<Figure> {
     let axis = "time for the same samples, over that of what is called for";
     let svg = || bars::draw("Effects compiled in without need", axis, &bars);
     (!bars.is_empty()).then(|| Figure {
-        name: "effects",
+        name: EFFECTS,
         svg: svg(),
     })
 }

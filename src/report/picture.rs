@@ -10,7 +10,6 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType as PngFilter, PngEncoder};
 use image::imageops::{self, FilterType};
 use image::{ExtendedColorType, ImageBuffer, ImageEncoder, ImageResult, Luma, Rgb};
-use std::path::PathBuf;
 
 /// Pixels per row of an image at most; a page shows it about 300 wide.
 const IMAGE_WIDTH: u32 = 360;
@@ -62,10 +61,8 @@ where
 }
 
 fn data_address((width, height): (u32, u32), rgb: &[u8]) -> Result<String, Error> {
-    let (kind, bytes) = encode(width, height, rgb).map_err(|e| Error::Write {
-        path: PathBuf::from("image of the page"),
-        source: std::io::Error::other(e),
-    })?;
+    let (kind, bytes) = encode(width, height, rgb)
+        .map_err(|e| Error::write("image of the page", std::io::Error::other(e)))?;
     let text = base64::engine::general_purpose::STANDARD.encode(bytes);
     Ok(format!("data:image/{kind};base64,{text}"))
 }

@@ -9,6 +9,7 @@ use super::navigation::Rig;
 use super::picture::{Inspected, Picture};
 use super::watch::Watch;
 use super::{Options, canvas, panels, renderer};
+use crate::console::say;
 use crate::image::png::Display;
 use crate::scene::normalize::bounds;
 use crate::scene::{Camera, FilmSize, Scene};
@@ -257,7 +258,9 @@ impl App {
         if let Some(job) = last.filter(|_| self.options.verbose) {
             let milliseconds = job.posted.elapsed().as_secs_f64() * 1e3;
             let (version, kind) = (job.version, if job.moving { "moving" } else { "at rest" });
-            eprintln!("direkt: job {version}, {kind}: first picture after {milliseconds:.1} ms");
+            say(format_args!(
+                "direkt: job {version}, {kind}: first picture after {milliseconds:.1} ms"
+            ));
         }
     }
 
@@ -268,7 +271,7 @@ impl App {
         let seconds = since.elapsed().as_secs_f64();
         if seconds >= 1.0 {
             if self.options.verbose {
-                eprintln!("direkt: {frames} frames in {seconds:.2} s");
+                say(format_args!("direkt: {frames} frames in {seconds:.2} s"));
             }
             self.frames = (0, Instant::now());
         }

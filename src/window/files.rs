@@ -4,7 +4,9 @@ use super::app::{App, Note, Screen};
 use super::job::Method;
 use super::lights::Lights;
 use super::save;
+use crate::console::say;
 use crate::error::Error;
+use crate::output::{Destination, Identity};
 use crate::scene::load::load_with_files;
 use eframe::egui;
 use std::path::{Path, PathBuf};
@@ -70,7 +72,7 @@ impl App {
     pub(super) fn say(&mut self, note: Note) {
         if self.options.verbose {
             let (Note::Done(text) | Note::Problem(text)) = &note;
-            eprintln!("direkt: {text}");
+            say(format_args!("direkt: {text}"));
         }
         self.note = Some(note);
     }
@@ -78,6 +80,10 @@ impl App {
     /// Saves the image on screen, or the scene, by the extension of the name.
     pub(super) fn save(&mut self, path: &Path) {
         let saved = match crate::image::extension(path).as_str() {
+            _ if !self.may_replace(path) => Err(Error::Usage(format!(
+                "{}: is a device, or a file that the scene reads; name another",
+                path.display()
+            ))),
             "toml" => save::scene(path, &self.options.path, &self.changes()),
             _ => self.save_image(path),
         };
@@ -85,6 +91,18 @@ impl App {
             Ok(()) => Note::Done(format!("{}: saved", path.display())),
             Err(error) => Note::Problem(error.to_string()),
         });
+    }
+
+    /// Whether `path` is neither a device nor one of the files that the scene was read from.
+    fn may_replace(&self, path: &Path) -> bool {
+        match Identity::of(path) {
+            // What is wrong with its name is said when it is written.
+            None => Destination::of(path).is_err(),
+            Some(identity) => {
+                let mut files = self.options.files.iter().filter_map(|f| Identity::of(f));
+                !files.any(|file| file.is_same(&identity))
+            }
+        }
     }
 
     fn shown_view(&self) -> usize {

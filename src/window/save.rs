@@ -5,7 +5,8 @@ use super::navigation::Rig;
 use super::picture::Picture;
 use crate::error::{Error, InputError};
 use crate::image::png::{self, Display};
-use crate::image::{exr, extension, write_atomically};
+use crate::image::{exr, extension};
+use crate::output;
 use crate::scene::{FilmSize, Projection, RenderSettings};
 use glam::DVec3;
 use std::path::Path;
@@ -83,7 +84,7 @@ pub fn scene(path: &Path, source: &Path, changes: &Changes<'_>) -> Result<(), Er
     lights.map_err(|problem| Error::Usage(format!("{}: {problem}", path.display())))?;
     // What it says holds for the camera and the size of the file.
     document.remove("expect");
-    write_atomically(path, document.to_string().as_bytes())
+    output::write(path, document.to_string().as_bytes())
 }
 
 fn document(source: &Path) -> Result<DocumentMut, Error> {

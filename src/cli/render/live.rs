@@ -1,15 +1,18 @@
 //! A render in progress, shown elsewhere: in files that are written again and again, and in the viewer tev.
 
 use crate::cli::outputs::OutputArguments;
-use crate::error::Error;
+use crate::cli::passes::duration;
+use crate::console::say;
+use crate::error::{Error, GpuError};
+use crate::output;
 use crate::render::{Film, Session};
 use crate::scene::Scene;
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 use tev_client::{PacketCreateImage, PacketUpdateImage, TevClient};
 
-/// Seconds between two pictures in a viewer.
-const VIEWER: f64 = 0.25;
+/// Time between two pictures in a viewer.
+const VIEWER: Duration = Duration::from_millis(250);
 /// How often the time that a picture takes has to pass before the next one.
 const PATIENCE: u32 = 20;
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
@@ -38,6 +41,8 @@ pub struct Live<'a> {
     /// Time between two writings of the outputs.
     interval: Option<Duration>,
     written: Timer,
+    /// Whether the outputs could be written the last time.
+    is_writable: bool,
     viewer: Option<Viewer>,
     sent: Timer,
 }
@@ -54,14 +59,15 @@ impl<'a> Live<'a> {
     ) -> Result<Self, Error> {
         if let Some(seconds) = arguments.watch.filter(|s| !(*s > 0.0 && s.is_finite())) {
             return Err(Error::Usage(format!(
-                "--watch={seconds}: a positive number of seconds is needed"
+                "--watch={seconds:?}: a positive number of seconds is needed"
             )));
         }
         let viewer = arguments.tev.as_ref();
         Ok(Self {
             outputs,
-            interval: arguments.watch.map(Duration::from_secs_f64),
+            interval: arguments.watch.map(duration),
             written: Timer::default(),
+            is_writable: true,
             viewer: viewer.map(|at| Viewer::new(at, scene)).transpose()?,
             sent: Timer::default(),
         })
@@ -70,18 +76,17 @@ impl<'a> Live<'a> {
     /// Shows the image of `session` where it is time for it.
     ///
     /// # Errors
-    /// The driver fails, or an output cannot be written.
-    pub fn look(&mut self, session: &Session<'_>) -> Result<(), Error> {
+    /// The driver fails.
+    pub fn look(&mut self, session: &Session<'_>) -> Result<(), GpuError> {
         let write = self.interval.is_some_and(|i| self.written.is_due(i));
-        let send = self.viewer.is_some() && self.sent.is_due(Duration::from_secs_f64(VIEWER));
+        let send = self.viewer.is_some() && self.sent.is_due(VIEWER);
         if !write && !send {
             return Ok(());
         }
         let start = Instant::now();
         let film = session.snapshot()?.0;
         if write {
-            let samples = session.samples().to_string();
-            self.outputs.write(&film, &[], &[("spp", samples)])?;
+            self.write(&film, session.samples());
             self.written = Timer::since(start);
         }
         if send {
@@ -89,6 +94,21 @@ impl<'a> Live<'a> {
             self.sent = Timer::since(start);
         }
         Ok(())
+    }
+
+    /// Writes the outputs. They are written again and at the end, so that a failure is a warning, and is told once.
+    fn write(&mut self, film: &Film, samples: u64) {
+        let attributes = [("spp", samples.to_string())];
+        let mut is_writable = true;
+        for (path, bytes) in self.outputs.encode(film, &[], &attributes) {
+            if let Err(error) = bytes.and_then(|bytes| output::write(path, &bytes)) {
+                if self.is_writable {
+                    say(format_args!("direkt: warning: --watch: {error}"));
+                }
+                is_writable = false;
+            }
+        }
+        self.is_writable = is_writable;
     }
 
     /// Shows the image that is done.
@@ -102,10 +122,10 @@ impl<'a> Live<'a> {
             return;
         };
         if let Err(error) = viewer.send(film) {
-            eprintln!(
+            say(format_args!(
                 "direkt: warning: --tev {}: {error}; going on without",
                 viewer.at
-            );
+            ));
             self.viewer = None;
         }
     }

@@ -6,7 +6,8 @@ use crate::gpu::AdapterFacts;
 use crate::render::{Check, ImageError, Ledger, Prepared, RayCounts};
 use crate::scene::{Aovs, LightSampling, LightSelection, Sampler, ShadowPattern, Strategy};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::path::Path;
 
 /// What `--json` writes.
 #[derive(Debug, Serialize)]
@@ -70,14 +71,14 @@ pub(super) fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds)
         film,
         rays,
         progressed,
-        adapter,
+        device,
         ..
     } = rendered;
     let rays = *rays;
     Report {
         direkt: env!("CARGO_PKG_VERSION"),
         scene: prepared.scene.source.display().to_string(),
-        adapter: adapter.clone(),
+        adapter: device.adapter.clone(),
         width: film.size.width,
         height: film.size.height,
         spp: film.mean_samples(),
@@ -124,7 +125,7 @@ fn effect_reports(prepared: &Prepared) -> Vec<EffectReport> {
 /// The EXR's attributes.
 pub(super) fn attributes(report: &Report) -> Vec<(&'static str, String)> {
     let mut attributes = vec![
-        ("command", std::env::args().collect::<Vec<_>>().join(" ")),
+        ("command", command_line()),
         ("scene", report.scene.clone()),
         ("adapter", report.adapter.name.clone()),
         ("driver", report.adapter.driver.clone()),
@@ -145,8 +146,17 @@ pub(super) fn attributes(report: &Report) -> Vec<(&'static str, String)> {
     attributes
 }
 
+/// The command line as UTF-8: what is none has replacement characters.
+fn command_line() -> String {
+    let arguments: Vec<_> = std::env::args_os().collect();
+    arguments
+        .join(OsStr::new(" "))
+        .to_string_lossy()
+        .into_owned()
+}
+
 /// One line about the image in `files`.
-pub(super) fn summary(files: &[PathBuf], report: &Report) -> String {
+pub(super) fn summary(files: &[&Path], report: &Report) -> String {
     let files: Vec<String> = match files {
         [] => vec![report.scene.clone()],
         files => files.iter().map(|p| p.display().to_string()).collect(),

@@ -34,7 +34,7 @@ impl Checkpoint {
 pub(super) struct Saved {
     pub standing: Standing,
     /// All rows of each region; none at the beginning of a block.
-    blocks: Vec<Block>,
+    pub blocks: Vec<Block>,
     at: Instant,
 }
 

@@ -33,6 +33,16 @@ impl Session<'_> {
         Ok((film, rays))
     }
 
+    /// The image as the host knows it without the device, and the rays traced for it: merged blocks, and open ones where they were
+    /// last saved.
+    pub fn safe_image(&self) -> (Film, RayCounts) {
+        let (mut film, mut rays) = (self.film.clone(), self.rays);
+        for (region, block) in self.regions.iter().zip(&self.saved.blocks) {
+            merge(&mut film, &mut rays, &self.saved.standing, (region, block));
+        }
+        (film, rays)
+    }
+
     /// Merges the blocks of the classes whose blocks are full into the film, and opens their next ones.
     pub(super) fn merge_full(&mut self) -> Result<(), GpuError> {
         let classes = self.standing.classes.iter().enumerate();
