@@ -7,6 +7,7 @@ mod broken_files;
 mod files;
 mod fuzz;
 mod gltf;
+mod gltf_containers;
 mod light_groups;
 mod meshes;
 mod opacity;

@@ -1,9 +1,12 @@
 //! The container: JSON, its buffers, and checked access by index.
 
+use super::container;
+use super::parse::{self, Parsed};
+use super::uri::{self, Uri};
 use crate::error::InputError;
 use crate::scene::load::files::{self, Folders};
-use base64::Engine;
 use gltf::json;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Extensions that are read; all others are named in a warning, or refused where the file requires them.
@@ -22,6 +25,8 @@ pub(super) const SUPPORTED_EXTENSIONS: [&str; 8] = [
 pub(super) struct Document {
     path: PathBuf,
     pub(super) root: json::Root,
+    /// Names of the extensions that its objects carry.
+    extensions: BTreeSet<String>,
     /// `None` for a buffer without data of its own.
     buffers: Vec<Option<Vec<u8>>>,
     /// Where the files that it names are looked up.
@@ -32,16 +37,12 @@ impl Document {
     /// Reads the file and its buffers.
     pub(super) fn read(path: &Path, folders: &Folders) -> Result<Self, InputError> {
         let bytes = files::read(path)?;
-        let (text, chunk) = if bytes.starts_with(b"glTF") {
-            split_glb(path, &bytes)?
-        } else {
-            (&bytes[..], None)
-        };
-        let root = json::Root::from_slice(text)
-            .map_err(|e| InputError::file(path, format!("is not a readable glTF: {e}"), ""))?;
+        let (text, chunk) = container::split(path, &bytes)?;
+        let Parsed { root, extensions } = parse::parse(path, text)?;
         let mut document = Self {
             path: path.to_path_buf(),
             root,
+            extensions,
             buffers: Vec::new(),
             folders: match std::fs::canonicalize(path) {
                 Ok(canonical) => folders.of_included(&canonical),
@@ -63,6 +64,20 @@ impl Document {
             .unwrap_or(self.path.as_os_str())
             .to_string_lossy()
             .into_owned()
+    }
+
+    /// Names of the extensions that the file uses and direkt does not read, whether the file declares them or not.
+    pub(super) fn unsupported_extensions(&self) -> Vec<&str> {
+        let declared = &self.root.extensions_used;
+        let undeclared = self.extensions.iter().filter(|e| !declared.contains(e));
+        let all = declared.iter().chain(undeclared).map(String::as_str);
+        let mut unsupported = Vec::new();
+        for extension in all.filter(|e| !SUPPORTED_EXTENSIONS.contains(e)) {
+            if !unsupported.contains(&extension) {
+                unsupported.push(extension);
+            }
+        }
+        unsupported
     }
 
     /// An error about `field`.
@@ -147,8 +162,8 @@ impl Document {
     /// What messages call it: its file, or its number in this one.
     pub(super) fn image_name(&self, index: usize, image: &json::Image) -> PathBuf {
         match &image.uri {
-            Some(uri) if !uri.starts_with("data:") => {
-                self.path.with_file_name(percent_decoded(uri))
+            Some(name) if !matches!(uri::kind(name), Uri::Data(_)) => {
+                self.path.with_file_name(uri::decoded_name(name))
             }
             _ => PathBuf::from(format!("{}: images[{index}]", self.path.display())),
         }
@@ -205,25 +220,24 @@ impl Document {
     }
 
     fn read_uri(&self, uri: &str, field: &str) -> Result<Vec<u8>, InputError> {
-        if let Some(data) = uri.strip_prefix("data:") {
-            let text = data
-                .split_once(',')
-                .filter(|(kind, _)| kind.ends_with(";base64"))
-                .map(|(_, text)| text)
-                .ok_or_else(|| self.error(field, "is a data URI without base64 data", "base64"))?;
-            return base64::engine::general_purpose::STANDARD
-                .decode(text)
-                .map_err(|e| self.error(field, format!("is not valid base64: {e}"), ""));
-        }
-        if uri.contains("://") {
-            return Err(self.error(
+        match uri::kind(uri) {
+            Uri::Data(data) => uri::data(data).map_err(|problem| self.error(field, problem, "")),
+            Uri::Address => Err(self.error(
                 field,
                 format!("`{uri}` is on the network"),
                 "a file in the glTF's folder",
-            ));
+            )),
+            Uri::Name => {
+                let mut first_error = None;
+                for name in uri::file_names(uri) {
+                    match self.folders.resolve(&name, &self.path, field) {
+                        Ok(file) => return files::read(&file),
+                        Err(error) => first_error = first_error.or(Some(error)),
+                    }
+                }
+                Err(first_error.expect("a URI stands for one name at least"))
+            }
         }
-        let name = percent_decoded(uri);
-        files::read(&self.folders.resolve(&name, &self.path, field)?)
     }
 }
 
@@ -234,86 +248,9 @@ pub(super) fn slice(data: &[u8], offset: u64, length: u64) -> Option<&[u8]> {
     data.get(start..end)
 }
 
-/// The JSON chunk and the binary chunk of a GLB file.
-fn split_glb<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>), InputError> {
-    let truncated = |needed: u64| {
-        InputError::file(
-            path,
-            format!(
-                "is truncated: it has {} bytes and needs {needed}",
-                bytes.len()
-            ),
-            "the whole GLB file",
-        )
-    };
-    let word = |at: u64| -> Result<u64, InputError> {
-        let word = slice(bytes, at, 4).ok_or_else(|| truncated(at + 4))?;
-        Ok(u64::from(u32::from_le_bytes(
-            word.try_into().expect("a slice of 4 bytes"),
-        )))
-    };
-    let version = word(4)?;
-    if version != 2 {
-        return Err(InputError::file(
-            path,
-            format!("is a GLB of version {version}"),
-            "version 2",
-        ));
-    }
-    let length = word(8)?;
-    if length > bytes.len() as u64 {
-        return Err(truncated(length));
-    }
-    let chunk = |at: u64| -> Result<(u64, &'a [u8], u64), InputError> {
-        let size = word(at)?;
-        let kind = word(at + 4)?;
-        let data = slice(bytes, at + 8, size).ok_or_else(|| truncated(at + 8 + size))?;
-        Ok((kind, data, at + 8 + size))
-    };
-    const JSON: u64 = 0x4E4F_534A;
-    const BIN: u64 = 0x004E_4942;
-    let (kind, text, next) = chunk(12)?;
-    if kind != JSON {
-        return Err(InputError::file(
-            path,
-            "its first chunk is not JSON",
-            "a GLB file",
-        ));
-    }
-    if next + 8 > length {
-        return Ok((text, None));
-    }
-    let (kind, data, _) = chunk(next)?;
-    Ok((text, (kind == BIN).then_some(data)))
-}
-
-/// `uri` with `%20` and its like decoded; a `%` that starts no such code stays.
-fn percent_decoded(uri: &str) -> String {
-    let mut out = Vec::new();
-    let mut rest = uri.as_bytes();
-    while let Some((&first, tail)) = rest.split_first() {
-        let code = (first == b'%')
-            .then(|| tail.get(..2))
-            .flatten()
-            .and_then(|hex| std::str::from_utf8(hex).ok())
-            .and_then(|hex| u8::from_str_radix(hex, 16).ok());
-        out.push(code.unwrap_or(first));
-        rest = if code.is_some() { &tail[2..] } else { tail };
-    }
-    String::from_utf8_lossy(&out).into_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn uris_are_decoded() {
-        assert_eq!(percent_decoded("a%20b.bin"), "a b.bin");
-        assert_eq!(percent_decoded("100%.bin"), "100%.bin");
-        assert_eq!(percent_decoded("%2"), "%2");
-        assert_eq!(percent_decoded("%c3%a4"), "ä");
-    }
 
     #[test]
     fn slices_outside_are_none() {

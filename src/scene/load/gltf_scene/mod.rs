@@ -5,13 +5,16 @@
 
 mod accessors;
 mod cameras;
+mod container;
 mod document;
 mod lights;
 mod materials;
 mod nodes;
+mod parse;
 mod primitives;
 mod textures;
 mod unsupported;
+mod uri;
 
 use super::files::Folders;
 use super::frame;

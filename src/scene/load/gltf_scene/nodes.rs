@@ -4,6 +4,7 @@ use super::document::Document;
 use crate::error::InputError;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::json::scene::Node;
+use std::collections::HashSet;
 
 /// A node of the default scene.
 pub(super) struct Placed {
@@ -13,30 +14,14 @@ pub(super) struct Placed {
     pub(super) to_world: DAffine3,
 }
 
-/// The nodes of the default scene, parents before children.
+/// The nodes of the default scene, parents before children; all nodes of a file without scenes.
 ///
 /// A node that is reached twice (a cycle, or two parents, which glTF forbids) is an error; that also bounds the work.
 pub(super) fn of_default_scene(document: &Document) -> Result<Vec<Placed>, InputError> {
     let root = &document.root;
-    let (number, field) = match root.scene {
-        Some(index) => (index.value(), "scene"),
-        None => (0, "scenes"),
-    };
-    let scene = document.get(&root.scenes, number, "scene", || field.to_owned())?;
     let mut reached = vec![false; root.nodes.len()];
     let mut placed = Vec::new();
-    let mut open: Vec<(usize, DAffine3, String)> = scene
-        .nodes
-        .iter()
-        .rev()
-        .map(|n| {
-            (
-                n.value(),
-                DAffine3::IDENTITY,
-                format!("scenes[{number}].nodes"),
-            )
-        })
-        .collect();
+    let mut open = roots(document)?;
     while let Some((index, parent, from)) = open.pop() {
         let node = document.get(&root.nodes, index, "node", || from.clone())?;
         if std::mem::replace(&mut reached[index], true) {
@@ -53,6 +38,28 @@ pub(super) fn of_default_scene(document: &Document) -> Result<Vec<Placed>, Input
         placed.push(Placed { index, to_world });
     }
     Ok(placed)
+}
+
+/// The nodes at which the default scene begins, last first.
+fn roots(document: &Document) -> Result<Vec<(usize, DAffine3, String)>, InputError> {
+    let root = &document.root;
+    let (indices, from): (Vec<usize>, _) = if root.scene.is_none() && root.scenes.is_empty() {
+        let children = root.nodes.iter().flat_map(|n| n.children.iter().flatten());
+        let children: HashSet<usize> = children.map(|c| c.value()).collect();
+        let all = 0..root.nodes.len();
+        let parentless = all.filter(|index| !children.contains(index));
+        (parentless.collect(), "nodes".to_owned())
+    } else {
+        let (number, field) = match root.scene {
+            Some(index) => (index.value(), "scene"),
+            None => (0, "scenes"),
+        };
+        let scene = document.get(&root.scenes, number, "scene", || field.to_owned())?;
+        let indices = scene.nodes.iter().map(|n| n.value());
+        (indices.collect(), format!("scenes[{number}].nodes"))
+    };
+    let reached = |index| (index, DAffine3::IDENTITY, from.clone());
+    Ok(indices.into_iter().rev().map(reached).collect())
 }
 
 fn local(node: &Node) -> DAffine3 {

@@ -1,6 +1,6 @@
 //! What a file uses and direkt does not do: one sentence for each kind.
 
-use super::document::{Document, SUPPORTED_EXTENSIONS};
+use super::document::Document;
 use super::lights;
 use super::materials::Materials;
 use super::nodes::Placed;
@@ -30,18 +30,21 @@ pub(super) fn warnings(
             are(root.animations.len(), "animation")
         ));
     }
+    if root.scenes.is_empty() && !placed.is_empty() {
+        warnings.push(format!(
+            "{file}: there is no scene: all of its nodes are rendered"
+        ));
+    }
     if root.scenes.len() > 1 {
         warnings.push(format!(
             "{file}: only the default one of {} scenes is rendered",
             root.scenes.len()
         ));
     }
-    for extension in &root.extensions_used {
-        if !SUPPORTED_EXTENSIONS.contains(&extension.as_str()) {
-            warnings.push(format!(
-                "{file}: the extension {extension} is not supported and ignored"
-            ));
-        }
+    for extension in document.unsupported_extensions() {
+        warnings.push(format!(
+            "{file}: the extension {extension} is not supported and ignored"
+        ));
     }
     warnings
 }
