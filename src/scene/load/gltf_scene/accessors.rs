@@ -1,14 +1,20 @@
 //! Typed reading of accessors.
 
-use super::document::Document;
+mod sparse;
+
+use super::document::{Document, slice};
 use crate::error::InputError;
 use glam::{DVec2, DVec3};
 use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::validation::Checked;
+use std::borrow::Cow;
+
+/// Most elements that an accessor without data of its own may have.
+const MAX_ZEROS: u64 = 1 << 24;
 
 /// The elements of an accessor: `count` times `components` numbers, each `stride` bytes after the other.
 struct Elements<'a> {
-    bytes: &'a [u8],
+    bytes: Cow<'a, [u8]>,
     count: usize,
     stride: usize,
     component: ComponentType,
@@ -37,27 +43,31 @@ pub(super) fn coordinates(
     Ok((0..elements.count).map(pair).collect())
 }
 
-/// Vertex indices: `SCALAR` of an unsigned type, each below `vertices`.
+/// In a list of corners: the strip or the fan ends here, and another begins.
+pub(super) const RESTART: u32 = u32::MAX;
+
+/// Vertex indices: `SCALAR` of an unsigned type, each below `vertices`; the type's largest value is [`RESTART`] where
+/// `restarts`.
 pub(super) fn indices(
     document: &Document,
     index: usize,
     field: &str,
     vertices: usize,
+    restarts: bool,
 ) -> Result<Vec<u32>, InputError> {
     let elements = elements(document, index, field, Type::Scalar)?;
-    if !matches!(
-        elements.component,
-        ComponentType::U8 | ComponentType::U16 | ComponentType::U32
-    ) {
-        return Err(document.error(
-            format!("accessors[{index}].componentType"),
-            format!("is {}", elements.component.as_gl_enum()),
-            "5121, 5123 or 5125 (unsigned) for indices",
-        ));
-    }
+    elements.check_unsigned(document, index, "indices")?;
+    let largest = match elements.component {
+        ComponentType::U8 => u8::MAX.into(),
+        ComponentType::U16 => u16::MAX.into(),
+        _ => u32::MAX,
+    };
     (0..elements.count)
         .map(|i| {
-            let value = elements.unsigned(i);
+            let value = elements.unsigned(i, 0);
+            if restarts && value == largest {
+                return Ok(RESTART);
+            }
             if (value as usize) < vertices {
                 return Ok(value);
             }
@@ -81,31 +91,26 @@ fn elements<'a>(
     })?;
     let name = format!("accessors[{index}]");
     let component = checked_types(document, accessor, &name, wanted)?;
-    let Some(view) = accessor.buffer_view else {
-        return Err(document.error(name, "has no bufferView", "data for the geometry"));
-    };
-    let (bytes, stride) = document.view(view.value(), || format!("{name}.bufferView"))?;
     let size = component.size() * wanted.multiplicity();
-    let stride = stride.unwrap_or(size);
     let count = accessor.count.0;
-    let offset = accessor.byte_offset.map_or(0, |o| o.0);
-    let needed = count
-        .saturating_sub(1)
-        .checked_mul(stride as u64)
-        .and_then(|n| n.checked_add(size as u64))
-        .filter(|_| count > 0)
-        .unwrap_or(if count > 0 { u64::MAX } else { 0 });
-    let range = super::document::slice(bytes, offset, needed).filter(|_| stride >= size);
-    let bytes = range.ok_or_else(|| {
-        document.error(
-            &name,
-            format!(
-                "{count} elements of {size} bytes, {stride} apart, from byte {offset} on do not fit bufferView {}",
-                view.value()
-            ),
-            format!("a range within its {} bytes", bytes.len()),
-        )
-    })?;
+    let base = match accessor.buffer_view {
+        Some(view) => {
+            let offset = accessor.byte_offset.map_or(0, |o| o.0);
+            let view = (view.value(), offset);
+            Some(strided(document, &name, view, count, size)?)
+        }
+        None => None,
+    };
+    let (bytes, stride) = match (base, &accessor.sparse) {
+        (Some((bytes, stride)), None) => (Cow::Borrowed(bytes), stride),
+        (base, sparse) => {
+            let mut bytes = packed(document, &name, base, count, size)?;
+            if let Some(sparse) = sparse {
+                sparse::displace(document, &name, sparse, &mut bytes, size)?;
+            }
+            (Cow::Owned(bytes), size)
+        }
+    };
     Ok(Elements {
         bytes,
         // The range check bounds the count by the bytes that exist.
@@ -116,19 +121,69 @@ fn elements<'a>(
     })
 }
 
+/// The bytes of `count` elements of `size` bytes that begin at an offset into a buffer view, and their distance there; the
+/// last element ends them.
+fn strided<'a>(
+    document: &'a Document,
+    name: &str,
+    (view, offset): (usize, u64),
+    count: u64,
+    size: usize,
+) -> Result<(&'a [u8], usize), InputError> {
+    let (bytes, stride) = document.view(view, || format!("{name}.bufferView"))?;
+    let stride = stride.filter(|&s| s > 0).unwrap_or(size);
+    let needed = match count.checked_sub(1) {
+        None => Some(0),
+        Some(before) => before
+            .checked_mul(stride as u64)
+            .and_then(|n| n.checked_add(size as u64)),
+    };
+    let range = needed
+        .and_then(|needed| slice(bytes, offset, needed))
+        .filter(|_| stride >= size);
+    let bytes = range.ok_or_else(|| {
+        document.error(
+            name,
+            format!(
+                "{count} elements of {size} bytes, {stride} apart, from byte {offset} on do not fit bufferView {view}"
+            ),
+            format!("a range within its {} bytes", bytes.len()),
+        )
+    })?;
+    Ok((bytes, stride))
+}
+
+/// A copy of the elements of `base`, one after the other; zeros where there is none (glTF 2.0, section 3.6.2.3).
+fn packed(
+    document: &Document,
+    name: &str,
+    base: Option<(&[u8], usize)>,
+    count: u64,
+    size: usize,
+) -> Result<Vec<u8>, InputError> {
+    let Some((bytes, stride)) = base else {
+        if count > MAX_ZEROS {
+            return Err(document.error(
+                format!("{name}.count"),
+                format!("is {count} without a bufferView"),
+                format!("at most {MAX_ZEROS} elements that no data stands for"),
+            ));
+        }
+        return Ok(vec![0; count as usize * size]);
+    };
+    Ok(bytes
+        .chunks(stride)
+        .flat_map(|element| &element[..size])
+        .copied()
+        .collect())
+}
+
 fn checked_types(
     document: &Document,
     accessor: &Accessor,
     name: &str,
     wanted: Type,
 ) -> Result<ComponentType, InputError> {
-    if accessor.sparse.is_some() {
-        return Err(document.error(
-            format!("{name}.sparse"),
-            "sparse accessors are not supported",
-            "a file without them",
-        ));
-    }
     match accessor.type_ {
         Checked::Valid(found) if found == wanted => {}
         Checked::Valid(found) => {
@@ -164,11 +219,29 @@ impl Elements<'_> {
             .expect("a slice of N bytes")
     }
 
-    fn unsigned(&self, element: usize) -> u32 {
+    /// Refuses components that are no unsigned integers; accessor `index` holds `what`.
+    fn check_unsigned(
+        &self,
+        document: &Document,
+        index: usize,
+        what: &str,
+    ) -> Result<(), InputError> {
+        use ComponentType::{U8, U16, U32};
+        if matches!(self.component, U8 | U16 | U32) {
+            return Ok(());
+        }
+        Err(document.error(
+            format!("accessors[{index}].componentType"),
+            format!("is {}", self.component.as_gl_enum()),
+            format!("5121, 5123 or 5125 (unsigned) for {what}"),
+        ))
+    }
+
+    fn unsigned(&self, element: usize, component: usize) -> u32 {
         match self.component {
-            ComponentType::U8 => u8::from_le_bytes(self.raw(element, 0)).into(),
-            ComponentType::U16 => u16::from_le_bytes(self.raw(element, 0)).into(),
-            _ => u32::from_le_bytes(self.raw(element, 0)),
+            ComponentType::U8 => u8::from_le_bytes(self.raw(element, component)).into(),
+            ComponentType::U16 => u16::from_le_bytes(self.raw(element, component)).into(),
+            _ => u32::from_le_bytes(self.raw(element, component)),
         }
     }
 
@@ -193,8 +266,9 @@ impl Elements<'_> {
             ComponentType::U32 => (u32::from_le_bytes(self.raw(element, component)).into(), 1.0),
             ComponentType::F32 => (f32::from_le_bytes(self.raw(element, component)).into(), 1.0),
         };
-        if self.normalized {
-            value / largest
+        if self.normalized && largest > 1.0 {
+            // -128 and -32,768 stand for -1, as their neighbours do (glTF 2.0, section 3.6.2.2).
+            (value / largest).max(-1.0)
         } else {
             value
         }

@@ -1,9 +1,10 @@
 //! Meshes: triangles of primitives, instanced by nodes.
 
+use super::accessors::{self, RESTART};
 use super::document::Document;
 use super::nodes::Placed;
 use super::textures::Named;
-use super::{accessors, transform_error};
+use super::transform_error;
 use crate::error::InputError;
 use crate::scene::load::transform;
 use crate::scene::{Geometry, Mesh};
@@ -127,7 +128,7 @@ impl<'a> Primitives<'a> {
         Ok(instances)
     }
 
-    /// The triangles of a primitive in its mesh's space; `None` for points and lines.
+    /// The triangles of a primitive in its mesh's space; `None` for one that is not rendered.
     fn decode(
         &mut self,
         mesh: usize,
@@ -139,7 +140,7 @@ impl<'a> Primitives<'a> {
             Entry::Vacant(slot) => {
                 let field = format!("meshes[{mesh}].primitives[{number}]");
                 let decoded = match triangle_mode(self.document, primitive, &field)? {
-                    Some(mode) => Some(triangles(self.document, primitive, mode, &field)?),
+                    Some(mode) => triangles(self.document, primitive, mode, &field)?,
                     None => None,
                 };
                 slot.insert(decoded)
@@ -177,19 +178,21 @@ pub(super) fn triangle_mode(
     }
 }
 
+/// The triangles of a primitive; `None` where it has no POSITION, which glTF has skipped (section 3.7.2.1).
 fn triangles(
     document: &Document,
     primitive: &Primitive,
     mode: Mode,
     field: &str,
-) -> Result<Mesh, InputError> {
+) -> Result<Option<Mesh>, InputError> {
     let attributes = format!("{field}.attributes");
     let accessor = |semantic| {
         let found = primitive.attributes.get(&Checked::Valid(semantic));
         found.map(|accessor| accessor.value())
     };
-    let index = accessor(Semantic::Positions)
-        .ok_or_else(|| document.error(&attributes, "has no POSITION", "vertex positions"))?;
+    let Some(index) = accessor(Semantic::Positions) else {
+        return Ok(None);
+    };
     let positions = accessors::vectors(document, index, &format!("{attributes}.POSITION"))?;
     let count = positions.len();
     let mut normals = Vec::new();
@@ -206,8 +209,9 @@ fn triangles(
         same_count(document, &field, uvs.len(), count)?;
     }
     let indices_field = format!("{field}.indices");
+    let restarts = mode != Mode::Triangles;
     let corners = match primitive.indices {
-        Some(a) => accessors::indices(document, a.value(), &indices_field, positions.len())?,
+        Some(a) => accessors::indices(document, a.value(), &indices_field, count, restarts)?,
         None => {
             let count = u32::try_from(positions.len())
                 .map_err(|_| document.error(field, "has more than 2³² vertices", "fewer"))?;
@@ -225,13 +229,13 @@ fn triangles(
             "a multiple of 3",
         ));
     }
-    Ok(Mesh {
+    Ok(Some(Mesh {
         triangles: assemble(&corners, mode),
         positions,
         normals,
         uvs,
         colors: Vec::new(),
-    })
+    }))
 }
 
 /// The texture coordinates that the material of `primitive` asks for first.
@@ -241,6 +245,7 @@ pub(super) fn coordinate_set(document: &Document, primitive: &Primitive) -> u32 
     material.map_or(0, Named::coordinates_of)
 }
 
+/// Refuses an attribute whose count is another than that of the positions.
 fn same_count(
     document: &Document,
     field: &str,
@@ -254,12 +259,12 @@ fn same_count(
     Err(document.error(field, problem, format!("as many as POSITION, {positions}")))
 }
 
-/// Triangles from corners (glTF 2.0, section 3.7.2.1).
+/// Triangles from corners (glTF 2.0, section 3.7.2.1). Strips and fans end and begin anew at [`RESTART`].
 fn assemble(corners: &[u32], mode: Mode) -> Vec<[u32; 3]> {
+    let runs = || corners.split(|&corner| corner == RESTART);
     match mode {
-        Mode::TriangleStrip => corners
-            .windows(3)
-            .enumerate()
+        Mode::TriangleStrip => runs()
+            .flat_map(|run| run.windows(3).enumerate())
             .map(|(i, w)| {
                 if i % 2 == 0 {
                     [w[0], w[1], w[2]]
@@ -268,10 +273,8 @@ fn assemble(corners: &[u32], mode: Mode) -> Vec<[u32; 3]> {
                 }
             })
             .collect(),
-        Mode::TriangleFan => corners
-            .windows(2)
-            .skip(1)
-            .map(|w| [w[0], w[1], corners[0]])
+        Mode::TriangleFan => runs()
+            .flat_map(|run| run.windows(2).skip(1).map(|w| [w[0], w[1], run[0]]))
             .collect(),
         _ => corners
             .chunks_exact(3)
@@ -297,5 +300,14 @@ mod tests {
         );
         assert_eq!(assemble(&corners[..3], Mode::Triangles), [[10, 11, 12]]);
         assert!(assemble(&[], Mode::TriangleFan).is_empty());
+        let restarted = [10, 11, 12, 13, RESTART, RESTART, 7, 8, RESTART, 1, 2, 3];
+        assert_eq!(
+            assemble(&restarted, Mode::TriangleStrip),
+            [[10, 11, 12], [11, 13, 12], [1, 2, 3]]
+        );
+        assert_eq!(
+            assemble(&restarted, Mode::TriangleFan),
+            [[11, 12, 10], [12, 13, 10], [2, 3, 1]]
+        );
     }
 }

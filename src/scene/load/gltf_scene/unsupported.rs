@@ -95,12 +95,12 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
         "are not supported: the base shape is rendered",
     );
     add(
-        count(&|p| {
-            !matches!(
-                p.mode,
-                Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
-            )
-        }),
+        count(&|p| is_of_triangles(p) && !has(p, &|s| *s == Semantic::Positions)),
+        "vertices",
+        "have no POSITION and are not rendered",
+    );
+    add(
+        count(&|p| !is_of_triangles(p)),
         "points and lines",
         "are not rendered",
     );
@@ -115,6 +115,13 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
         ));
     }
     warnings
+}
+
+fn is_of_triangles(primitive: &Primitive) -> bool {
+    matches!(
+        primitive.mode,
+        Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+    )
 }
 
 fn named_textures(document: &Document, primitive: &Primitive) -> impl Iterator<Item = Named> {
