@@ -10,6 +10,8 @@ mod fuzz;
 mod gltf;
 mod gltf_accessors;
 mod gltf_containers;
+mod gltf_nodes;
+mod gltf_poses;
 mod light_groups;
 mod meshes;
 mod opacity;

@@ -116,6 +116,21 @@ fn apply_to_mesh(transform: &DAffine3, mut mesh: Mesh) -> Mesh {
     mesh
 }
 
+/// What turns normals where `m` moves points, up to a factor: its inverse transposed. Where it flattens space that has no
+/// value, and this has that of the plane which remains.
+pub(super) fn normal_matrix(m: &DMat3) -> DMat3 {
+    let cofactors = DMat3::from_cols(
+        m.y_axis.cross(m.z_axis),
+        m.z_axis.cross(m.x_axis),
+        m.x_axis.cross(m.y_axis),
+    );
+    if m.determinant() < 0.0 {
+        -cofactors
+    } else {
+        cofactors
+    }
+}
+
 /// The factor of a similarity; rotations written in decimals are off by about 1e-7.
 fn uniform_scale(m: &DMat3) -> Result<f64, TransformProblem> {
     let scale = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());

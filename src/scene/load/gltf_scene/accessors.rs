@@ -43,6 +43,31 @@ pub(super) fn coordinates(
     Ok((0..elements.count).map(pair).collect())
 }
 
+/// Elements of `N` numbers each, of a type with as many.
+pub(super) fn numbers<const N: usize>(
+    document: &Document,
+    index: usize,
+    field: &str,
+    wanted: Type,
+) -> Result<Vec<[f64; N]>, InputError> {
+    assert_eq!(N, wanted.multiplicity(), "{wanted:?} has as many numbers");
+    let elements = elements(document, index, field, wanted)?;
+    let element = |i| std::array::from_fn(|c| elements.number(i, c));
+    Ok((0..elements.count).map(element).collect())
+}
+
+/// Joints of vertices: `VEC4` of unsigned bytes or shorts.
+pub(super) fn joints(
+    document: &Document,
+    index: usize,
+    field: &str,
+) -> Result<Vec<[u32; 4]>, InputError> {
+    let elements = elements(document, index, field, Type::Vec4)?;
+    elements.check_unsigned(document, index, "joints")?;
+    let element = |i| std::array::from_fn(|c| elements.unsigned(i, c));
+    Ok((0..elements.count).map(element).collect())
+}
+
 /// In a list of corners: the strip or the fan ends here, and another begins.
 pub(super) const RESTART: u32 = u32::MAX;
 

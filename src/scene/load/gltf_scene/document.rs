@@ -10,7 +10,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Extensions that are read; all others are named in a warning, or refused where the file requires them.
-pub(super) const SUPPORTED_EXTENSIONS: [&str; 8] = [
+pub(super) const SUPPORTED_EXTENSIONS: [&str; 10] = [
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -18,6 +19,7 @@ pub(super) const SUPPORTED_EXTENSIONS: [&str; 8] = [
     "KHR_materials_transmission",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 

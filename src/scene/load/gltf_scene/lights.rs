@@ -40,8 +40,11 @@ pub(super) fn list(document: &Document) -> &[khr::Light] {
         .map_or(&[], |e| &e.lights)
 }
 
-/// The index of the light that a node carries.
+/// The index of the light that a node shows.
 pub(super) fn light_of(document: &Document, node: &Placed) -> Option<usize> {
+    if !node.visible {
+        return None;
+    }
     let extensions = document.root.nodes[node.index].extensions.as_ref()?;
     Some(extensions.khr_lights_punctual.as_ref()?.light.value())
 }
@@ -54,14 +57,16 @@ fn convert(
     to_world: &DAffine3,
 ) -> Result<Light, InputError> {
     let position = to_world.translation;
+    let refuse = |problem: &str| {
+        let field = format!("nodes[{}]", node.index);
+        document.error(field, problem, "an invertible transform")
+    };
+    if !position.is_finite() {
+        return Err(refuse("its transform leaves its light no position"));
+    }
     let direction = to_world.transform_vector3(DVec3::NEG_Z).try_normalize();
-    let direction = direction.filter(|_| position.is_finite()).ok_or_else(|| {
-        document.error(
-            format!("nodes[{}]", node.index),
-            "its transform leaves its light no direction",
-            "an invertible transform",
-        )
-    })?;
+    let direction =
+        || direction.ok_or_else(|| refuse("its transform leaves its light no direction"));
     let power = power(document, light, field)?;
     match light.type_ {
         Checked::Valid(khr::Type::Point) => Ok(Light::Point {
@@ -69,14 +74,14 @@ fn convert(
             intensity: power,
         }),
         Checked::Valid(khr::Type::Directional) => Ok(Light::Directional {
-            direction,
+            direction: direction()?,
             irradiance: power,
         }),
         Checked::Valid(khr::Type::Spot) => {
             let (inner_angle, outer_angle) = cone(document, light, field)?;
             Ok(Light::Spot {
                 position,
-                direction,
+                direction: direction()?,
                 intensity: power,
                 inner_angle,
                 outer_angle,

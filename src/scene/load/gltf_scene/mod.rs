@@ -7,11 +7,14 @@ mod accessors;
 mod cameras;
 mod container;
 mod document;
+mod instances;
 mod lights;
 mod materials;
+mod morph;
 mod nodes;
 mod parse;
 mod primitives;
+mod skins;
 mod textures;
 mod unsupported;
 mod uri;
@@ -112,8 +115,7 @@ pub(super) fn load_meshes(
 ) -> Result<Vec<NamedMesh>, InputError> {
     let document = Document::read(path, folders)?;
     let placed = nodes::of_default_scene(&document)?;
-    let mut primitives = Primitives::new(&document);
-    primitives.check_size(&placed)?;
+    let mut primitives = Primitives::new(&document, &placed)?;
     let mut meshes = Vec::new();
     for node in &placed {
         for instance in primitives.of_node(node, &DAffine3::IDENTITY, warnings)? {
@@ -135,8 +137,7 @@ fn shapes(
     materials: &mut Materials,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Shape>, InputError> {
-    let mut primitives = Primitives::new(document);
-    primitives.check_size(placed)?;
+    let mut primitives = Primitives::new(document, placed)?;
     let mut shapes = Vec::new();
     let mut dropped = 0;
     for node in placed {

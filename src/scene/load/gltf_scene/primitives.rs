@@ -2,18 +2,23 @@
 
 use super::accessors::{self, RESTART};
 use super::document::Document;
+use super::instances::{self, Place};
+use super::morph::{self, Weights};
 use super::nodes::Placed;
+use super::skins::{self, Skins};
 use super::textures::Named;
 use super::transform_error;
 use crate::error::InputError;
 use crate::scene::load::transform;
 use crate::scene::{Geometry, Mesh};
-use glam::{DAffine3, DMat3};
+use glam::DAffine3;
 use gltf::json;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::rc::Rc;
 
 /// Most vertices and triangles of all instances together, as each takes memory of its own.
 const MAX_SIZE: usize = 1 << 27;
@@ -34,18 +39,23 @@ pub(super) struct Instance {
 pub(super) struct Primitives<'a> {
     document: &'a Document,
     decoded: HashMap<(usize, usize), Option<Mesh>>,
+    skins: Skins<'a>,
 }
 
 impl<'a> Primitives<'a> {
-    pub(super) fn new(document: &'a Document) -> Self {
-        Self {
+    /// Those that the nodes `placed` show. Refuses files whose nodes multiply their meshes into more than a machine holds,
+    /// before that is done.
+    pub(super) fn new(document: &'a Document, placed: &[Placed]) -> Result<Self, InputError> {
+        let mut primitives = Self {
             document,
             decoded: HashMap::new(),
-        }
+            skins: Skins::new(document, placed),
+        };
+        primitives.check_size(placed)?;
+        Ok(primitives)
     }
 
-    /// Refuses files whose nodes multiply their meshes into more than a machine holds, before that is done.
-    pub(super) fn check_size(&mut self, placed: &[Placed]) -> Result<(), InputError> {
+    fn check_size(&mut self, placed: &[Placed]) -> Result<(), InputError> {
         let document = self.document;
         let mut sizes = HashMap::new();
         let mut total: usize = 0;
@@ -66,7 +76,9 @@ impl<'a> Primitives<'a> {
                     size
                 }
             };
-            total = total.saturating_add(size);
+            let times = usize::try_from(instances::count(document, node.index));
+            let all = size.saturating_mul(times.unwrap_or(usize::MAX));
+            total = total.saturating_add(all);
             if total > MAX_SIZE {
                 return Err(document.error(
                     format!("nodes[{}].mesh", node.index),
@@ -78,7 +90,7 @@ impl<'a> Primitives<'a> {
         Ok(())
     }
 
-    /// The primitives of a node's mesh, moved to the world and then by `placement`. A node with scale 0 is hidden.
+    /// The primitives of a node's mesh, moved to the world and then by `placement`.
     pub(super) fn of_node(
         &mut self,
         node: &Placed,
@@ -94,36 +106,41 @@ impl<'a> Primitives<'a> {
             .as_ref()
             .or(mesh.name.as_ref())
             .map_or_else(|| format!("node {}", node.index), Clone::clone);
-        if node.to_world.matrix3 == DMat3::ZERO {
-            warnings.push(format!(
-                "{}: {label} is hidden by a scale of 0",
-                document.file_name()
-            ));
-            return Ok(Vec::new());
-        }
-        let to_world = *placement * node.to_world;
-        transform::check(&to_world).map_err(|p| transform_error(document, node, &p))?;
+        let pose = Pose {
+            weights: morph::weights(document, node.index, mesh_index)?,
+            joints: self.skins.of_node(node.index)?,
+            mirrored: transform::mirrors(&node.to_world),
+        };
+        let places = if pose.joints.is_some() {
+            instances::place_skinned(document, node, placement, &label, warnings)?
+        } else {
+            instances::place(document, node, placement, &label, warnings)?
+        };
         let mut instances = Vec::new();
         for (number, primitive) in mesh.primitives.iter().enumerate() {
-            let Some(triangles) = self.decode(mesh_index, number, primitive)? else {
+            let field = format!("meshes[{mesh_index}].primitives[{number}]");
+            let Some(base) = self.decode(mesh_index, number, primitive)? else {
                 continue;
             };
-            let moved = transform::apply(&to_world, Geometry::Mesh(triangles.clone()))
-                .map_err(|p| transform_error(document, node, &p))?;
-            let Geometry::Mesh(moved) = moved else {
-                unreachable!("a transformed mesh is a mesh")
-            };
+            let posed = pose.of(document, primitive, &field, base)?;
             let part = if mesh.primitives.len() > 1 {
                 format!(", primitive {number}")
             } else {
                 String::new()
             };
-            instances.push(Instance {
-                name: format!("{label} (mesh {mesh_index}{part})"),
-                mesh: moved,
-                material: primitive.material.map(|m| m.value()),
-                field: format!("meshes[{mesh_index}].primitives[{number}]"),
-            });
+            for Place { suffix, to_world } in &places {
+                let moved = transform::apply(to_world, Geometry::Mesh((*posed).clone()))
+                    .map_err(|p| transform_error(document, node, &p))?;
+                let Geometry::Mesh(moved) = moved else {
+                    unreachable!("a transformed mesh is a mesh")
+                };
+                instances.push(Instance {
+                    name: format!("{label} (mesh {mesh_index}{part}{suffix})"),
+                    mesh: moved,
+                    material: primitive.material.map(|m| m.value()),
+                    field: field.clone(),
+                });
+            }
         }
         Ok(instances)
     }
@@ -150,12 +167,42 @@ impl<'a> Primitives<'a> {
     }
 }
 
-/// The mesh of a node, with its index.
+/// How a node poses the primitives of its mesh.
+struct Pose {
+    weights: Option<Weights>,
+    joints: Option<Rc<Vec<DAffine3>>>,
+    /// Whether the node mirrors space.
+    mirrored: bool,
+}
+
+impl Pose {
+    /// The primitive `field`, which is `base` without a pose: in the space of the mesh, or in the world where it has a skin.
+    fn of<'a>(
+        &self,
+        document: &Document,
+        primitive: &Primitive,
+        field: &str,
+        base: &'a Mesh,
+    ) -> Result<Cow<'a, Mesh>, InputError> {
+        let mut posed = Cow::Borrowed(base);
+        if let Some(weights) = &self.weights {
+            morph::displace(document, primitive, field, weights, posed.to_mut())?;
+        }
+        if let Some(joints) = &self.joints {
+            let mirrored = self.mirrored;
+            skins::pose(document, primitive, field, joints, mirrored, posed.to_mut())?;
+        }
+        Ok(posed)
+    }
+}
+
+/// The mesh that a node shows, with its index.
 fn mesh_of<'a>(
     document: &'a Document,
     node: &Placed,
 ) -> Result<Option<(usize, &'a json::Mesh)>, InputError> {
-    let Some(index) = document.root.nodes[node.index].mesh.map(|m| m.value()) else {
+    let index = document.root.nodes[node.index].mesh.map(|m| m.value());
+    let Some(index) = index.filter(|_| node.visible) else {
         return Ok(None);
     };
     let field = || format!("nodes[{}].mesh", node.index);
@@ -246,7 +293,7 @@ pub(super) fn coordinate_set(document: &Document, primitive: &Primitive) -> u32 
 }
 
 /// Refuses an attribute whose count is another than that of the positions.
-fn same_count(
+pub(super) fn same_count(
     document: &Document,
     field: &str,
     found: usize,

@@ -90,11 +90,6 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
         "are not supported and ignored",
     );
     add(
-        count(&|p| p.targets.as_ref().is_some_and(|t| !t.is_empty())),
-        "morph targets",
-        "are not supported: the base shape is rendered",
-    );
-    add(
         count(&|p| is_of_triangles(p) && !has(p, &|s| *s == Semantic::Positions)),
         "vertices",
         "have no POSITION and are not rendered",
@@ -104,16 +99,6 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
         "points and lines",
         "are not rendered",
     );
-    let skinned = placed
-        .iter()
-        .filter(|n| document.root.nodes[n.index].skin.is_some())
-        .count();
-    if skinned > 0 {
-        let s = if skinned == 1 { "" } else { "s" };
-        warnings.push(format!(
-            "{file}: skins of {skinned} node{s} are not supported: the mesh is rendered in its rest pose"
-        ));
-    }
     warnings
 }
 
@@ -146,6 +131,7 @@ fn primitives<'a>(
 ) -> impl Iterator<Item = &'a Primitive> {
     placed
         .iter()
+        .filter(|n| n.visible)
         .filter_map(|n| document.root.nodes[n.index].mesh)
         .filter_map(|m| document.root.meshes.get(m.value()))
         .flat_map(|m| &m.primitives)
