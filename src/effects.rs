@@ -2,7 +2,8 @@
 //!
 //! An effect is derived from the scene, never declared by the user. Each maps to a WESL feature: code under
 //! `@if(GLOSSY)` is not in the WGSL unless some material has a microfacet lobe. The table below is the whole list: an entry
-//! per effect, with the rule that calls for it.
+//! per effect, with the rule that calls for it; what the scale of a scene calls for is decided where that is measured, in
+//! [`Prepared`](crate::render::Prepared).
 
 mod rules;
 
@@ -68,6 +69,8 @@ effects! {
     Disks "DISKS" "disks" Simulation |r| r.shape(|s| matches!(s, Shape::Disk { .. }));
     /// Analytic spheres.
     Spheres "SPHERES" "spheres" Simulation |r| r.shape(|s| matches!(s, Shape::Sphere { .. }));
+    /// Boxes of the hierarchy on a logarithmic grid: detail in a scene that is much larger.
+    LogarithmicGrid "LOGARITHMIC_GRID" "logarithmic-grid" Simulation |_| None;
     /// Surfaces whose back does not exist.
     OneSided "ONE_SIDED" "one-sided-surfaces" Simulation
         |r| r.material(|m| (!m.double_sided).then(|| "double_sided = false".to_owned()));
@@ -176,6 +179,8 @@ effects! {
     DepthOfField "DEPTH_OF_FIELD" "depth-of-field" Simulation |r| r.depth_of_field();
     /// A camera whose rays are parallel.
     Orthographic "ORTHOGRAPHIC" "orthographic" Simulation |r| r.orthographic();
+    /// A camera that is so far away that its rays begin nearer.
+    DistantCamera "DISTANT_CAMERA" "distant-camera" Simulation |_| None;
     /// Pixels that show something else than their own squares.
     PixelFilter "PIXEL_FILTER" "pixel-filter" Simulation |r| r.pixel_filter();
     /// The light of groups of lights apart.

@@ -115,6 +115,10 @@ fn structs_have_the_same_members() {
         suns,
         environment_linear,
         first_emission,
+        near_plane,
+        near_lens,
+        logarithmic_grid,
+        padding,
         light_boxes,
     });
     let dispatch = members!(Dispatch {

@@ -1,7 +1,9 @@
 //! Builds a binary BVH over primitives.
 
-use super::flatten::{Bvh, MAX_DEPTH, MAX_LEAF_PRIMITIVES, flatten};
+use super::flatten::{Bvh, MAX_DEPTH, MAX_LEAF_PRIMITIVES, flatten, flatten_all};
+use super::grid::Grid;
 use super::primitives::Primitive;
+use crate::scene::normalize::Normalization;
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -32,10 +34,44 @@ pub fn build(primitives: &mut Vec<Primitive>) -> Bvh {
     if primitives.is_empty() {
         return Bvh::default();
     }
+    flatten(&build_part(primitives, MAX_DEPTH))
+}
+
+/// Distances from the centre that lie between two parts of an extreme scene, as a power of two: the builder sorts centres on
+/// a grid of 2²¹ cells per axis.
+const PART: f64 = 10.0;
+
+/// The same for an extreme scene: primitives farther from the centre form parts of their own, so that the builder tells the
+/// near ones apart.
+pub fn build_extreme(primitives: &mut Vec<Primitive>, normalization: &Normalization) -> Bvh {
+    if primitives.is_empty() {
+        return Bvh::default();
+    }
+    let part = |p: &Primitive| {
+        let (low, high) = p.geometry.bounds();
+        let reach = low.abs().max(high.abs()).max_element();
+        ((reach / normalization.radius).log2() / PART).max(0.0) as u32
+    };
+    primitives.sort_by_cached_key(part);
+    let (mut parts, mut ordered) = (Vec::new(), Vec::with_capacity(primitives.len()));
+    let most = primitives.last().map_or(0, part) as usize;
+    for same in primitives.chunk_by(|a, b| part(a) == part(b)) {
+        let mut same = same.to_vec();
+        parts.push(build_part(&mut same, MAX_DEPTH - most));
+        ordered.append(&mut same);
+    }
+    *primitives = ordered;
+    let parts: Vec<&Bvh2> = parts.iter().collect();
+    let grid = Grid::logarithmic(normalization.reach, normalization.radius);
+    flatten_all(&parts, grid)
+}
+
+/// Reorders `primitives`, of which there is one at least; the hierarchy is no deeper than `most`.
+fn build_part(primitives: &mut Vec<Primitive>, most: usize) -> Bvh2 {
     let boxes: Vec<Boxed> = primitives.iter().map(boxed).collect();
     let mut seconds = std::time::Duration::ZERO;
     let mut bvh2 = build_bvh2(&boxes, parameters(primitives.len()), &mut seconds);
-    if bvh2.depth(0) > MAX_DEPTH {
+    if bvh2.depth(0) > most {
         bvh2 = median_split(&boxes);
     }
     let order = bvh2
@@ -43,7 +79,7 @@ pub fn build(primitives: &mut Vec<Primitive>) -> Bvh {
         .iter()
         .map(|&i| primitives[i as usize]);
     *primitives = order.collect();
-    flatten(&bvh2)
+    bvh2
 }
 
 fn parameters(count: usize) -> BvhBuildParams {

@@ -1,6 +1,8 @@
 //! The hierarchy as the GPU reads it: boxes on a 16-bit grid over the scene, two children per 32-byte node.
 
-use glam::{DVec3, Vec3};
+use super::grid::Grid;
+use glam::DVec3;
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 
 /// Deepest hierarchy that the traversal's stack takes.
@@ -9,12 +11,6 @@ pub const MAX_DEPTH: usize = 64;
 pub const MAX_LEAF_PRIMITIVES: u32 = 8;
 /// Marks a reference as a leaf.
 pub const LEAF: u32 = 0x8000_0000;
-/// Cells of the grid per axis.
-const CELLS: f64 = 65_535.0;
-/// Boxes grow by this many cells before they are rounded outwards: more than the slab test's rounding, which is at
-/// most 2⁻²⁴ of the grid per operation.
-const PADDING: f64 = 0.0625;
-
 /// An inner node. Per child three words, one per axis (lower plane in the low half), and a reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -38,10 +34,8 @@ pub struct Bvh {
     pub root: u32,
     /// Entries that a traversal's stack needs at most.
     pub depth: usize,
-    /// Lower corner of the grid, normalised space.
-    pub grid_origin: Vec3,
-    /// Grid cells per unit length.
-    pub grid_scale: Vec3,
+    /// The grid that the boxes are rounded to.
+    pub grid: Grid,
 }
 
 impl Default for Bvh {
@@ -50,93 +44,75 @@ impl Default for Bvh {
             nodes: Vec::new(),
             root: LEAF,
             depth: 0,
-            grid_origin: Vec3::ZERO,
-            grid_scale: Vec3::ONE,
+            grid: Grid::default(),
         }
-    }
-}
-
-impl Bvh {
-    /// The words of a box of normalised space, as a node has them, with a cell of margin.
-    pub fn box_words(&self, low: DVec3, high: DVec3) -> [u32; 3] {
-        let grid = Grid {
-            origin: self.grid_origin.as_dvec3(),
-            scale: self.grid_scale.as_dvec3(),
-        };
-        let cell = DVec3::ONE / grid.scale;
-        let (low, high) = ((low - cell).as_vec3(), (high + cell).as_vec3());
-        [0, 1, 2].map(|axis| grid.axis_word(axis, low[axis], high[axis]))
-    }
-}
-
-/// The grid that the boxes are rounded to. Its origin and scale are those of the GPU, in f32.
-struct Grid {
-    origin: DVec3,
-    scale: DVec3,
-}
-
-impl Grid {
-    fn axis_word(&self, axis: usize, low: f32, high: f32) -> u32 {
-        let cell = |x: f32| (f64::from(x) - self.origin[axis]) * self.scale[axis];
-        let low = (cell(low) - PADDING).floor().clamp(0.0, CELLS) as u32;
-        let high = (cell(high) + PADDING).ceil().clamp(0.0, CELLS) as u32;
-        low | high << 16
     }
 }
 
 /// Flattens `bvh2`, whose primitives are already in the order of its leaves.
 pub fn flatten(bvh2: &Bvh2) -> Bvh {
     let root_box = bvh2.nodes[0].aabb();
-    let low = Vec3::from(root_box.min).as_dvec3();
-    let high = Vec3::from(root_box.max).as_dvec3();
-    // One cell of margin on each side, and no axis without extent.
-    let extent = (high - low).max(DVec3::splat((high - low).max_element() * 1e-3 + 1e-30));
-    let grid_scale = (DVec3::splat(CELLS - 2.0) / extent).as_vec3();
-    let grid_origin = (low - DVec3::ONE / grid_scale.as_dvec3()).as_vec3();
-    let grid = Grid {
-        origin: grid_origin.as_dvec3(),
-        scale: grid_scale.as_dvec3(),
-    };
+    let corner = |c: glam::Vec3A| DVec3::from(glam::Vec3::from(c).as_dvec3());
+    let grid = Grid::even(corner(root_box.min), corner(root_box.max));
+    flatten_all(&[bvh2], grid)
+}
+
+/// The hierarchy that holds all of `parts`, whose primitives are already in the order of their leaves, one part after the
+/// other.
+pub fn flatten_all(parts: &[&Bvh2], grid: Grid) -> Bvh {
+    let nodes = parts.iter().map(|part| part.nodes.len() / 2 + 1).sum();
     let mut out = Bvh {
-        nodes: Vec::with_capacity(bvh2.nodes.len() / 2),
-        root: 0,
-        depth: 0,
-        grid_origin,
-        grid_scale,
+        nodes: Vec::with_capacity(nodes),
+        grid,
+        ..Bvh::default()
     };
-    out.root = flatten_node(bvh2, &grid, 0, 0, &mut out.nodes, &mut out.depth);
+    out.root = flatten_parts(parts, 0, 0, &mut out);
     assert!(out.depth <= MAX_DEPTH, "the builder caps the depth");
     out
 }
 
-fn flatten_node(
-    bvh2: &Bvh2,
-    grid: &Grid,
-    index: usize,
-    depth: usize,
-    nodes: &mut Vec<Node>,
-    deepest: &mut usize,
-) -> u32 {
+/// The reference to the hierarchy of `parts`, the first of whose primitives is `first`.
+fn flatten_parts(parts: &[&Bvh2], first: u32, depth: usize, out: &mut Bvh) -> u32 {
+    let (part, others) = parts.split_first().expect("there is a primitive");
+    if others.is_empty() {
+        return flatten_node(part, first, 0, depth, out);
+    }
+    let of_others = others.iter().map(|p| p.nodes[0].aabb());
+    let of_others = of_others.fold(Aabb::INVALID, |a, b| a.union(b));
+    let place = out.open_node(depth, [part.nodes[0].aabb(), &of_others]);
+    let count = part.primitive_indices.len() as u32;
+    out.nodes[place].first = flatten_node(part, first, 0, depth + 1, out);
+    out.nodes[place].second = flatten_parts(others, first + count, depth + 1, out);
+    place as u32
+}
+
+fn flatten_node(bvh2: &Bvh2, first: u32, index: usize, depth: usize, out: &mut Bvh) -> u32 {
     let node = &bvh2.nodes[index];
     if node.prim_count > 0 {
-        assert!(node.prim_count <= MAX_LEAF_PRIMITIVES && node.first_index < 1 << 28);
-        return LEAF | (node.prim_count - 1) << 28 | node.first_index;
+        let first = first + node.first_index;
+        assert!(node.prim_count <= MAX_LEAF_PRIMITIVES && first < 1 << 28);
+        return LEAF | (node.prim_count - 1) << 28 | first;
     }
-    *deepest = (*deepest).max(depth + 1);
     let children = [node.first_index as usize, node.first_index as usize + 1];
-    let [first_box, second_box] = children.map(|c| {
-        let b = bvh2.nodes[c].aabb();
-        [0, 1, 2].map(|axis| grid.axis_word(axis, b.min[axis], b.max[axis]))
-    });
-    let place = nodes.len();
-    nodes.push(Node {
-        first_box,
-        first: 0,
-        second_box,
-        second: 0,
-    });
-    let [first, second] = children.map(|c| flatten_node(bvh2, grid, c, depth + 1, nodes, deepest));
-    nodes[place].first = first;
-    nodes[place].second = second;
+    let place = out.open_node(depth, children.map(|c| bvh2.nodes[c].aabb()));
+    let [left, right] = children.map(|c| flatten_node(bvh2, first, c, depth + 1, out));
+    out.nodes[place].first = left;
+    out.nodes[place].second = right;
     place as u32
+}
+
+impl Bvh {
+    /// Adds a node with the boxes of its children, at `depth`; returns its index.
+    fn open_node(&mut self, depth: usize, children: [&Aabb; 2]) -> usize {
+        self.depth = self.depth.max(depth + 1);
+        let [first_box, second_box] = children
+            .map(|b| [0, 1, 2].map(|axis| self.grid.axis_word(axis, b.min[axis], b.max[axis])));
+        self.nodes.push(Node {
+            first_box,
+            first: 0,
+            second_box,
+            second: 0,
+        });
+        self.nodes.len() - 1
+    }
 }

@@ -17,7 +17,9 @@ type Box3 = (DVec3, DVec3);
 pub fn light_boxes(bvh: &Bvh, mut emitting: Vec<Box3>) -> Vec<[u32; 3]> {
     let mut around = Vec::new();
     cluster(&mut emitting, MAX_LIGHT_BOXES, &mut around);
-    let words = around.iter().map(|&(low, high)| bvh.box_words(low, high));
+    let words = around
+        .iter()
+        .map(|&(low, high)| bvh.grid.box_words(low, high));
     words.collect()
 }
 

@@ -7,12 +7,14 @@
 pub mod attributes;
 pub mod build;
 pub mod flatten;
+pub mod grid;
 pub mod light_boxes;
 pub mod octahedral;
 pub mod primitives;
 
 pub use attributes::{Attributed, Attributes, texture_coordinates};
-pub use build::build;
+pub use build::{build, build_extreme};
 pub use flatten::{Bvh, Node};
+pub use grid::Grid;
 pub use light_boxes::{MAX_LIGHT_BOXES, light_boxes};
 pub use primitives::{Primitive, PrimitiveGeometry, primitives};

@@ -89,6 +89,14 @@ pub struct Frame {
     pub environment_linear: u32,
     /// Word of the lights at which the maps of emission begin.
     pub first_emission: u32,
+    /// Distance from the eye of the plane on which the rays of a distant camera begin; `eye` lies on it.
+    pub near_plane: f32,
+    /// Size of the lens's image on that plane.
+    pub near_lens: f32,
+    /// 1 where the BVH's boxes lie on a logarithmic grid.
+    pub logarithmic_grid: u32,
+    /// Unused.
+    pub padding: u32,
     /// Boxes around the primitives that emit, as in a node of the BVH; the fourth word is unused.
     pub light_boxes: [[u32; 4]; MAX_LIGHT_BOXES],
 }

@@ -259,8 +259,9 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, environment_grid: [
     let filter = prepared.scene.filter.table();
     let patterns = prepared.patterns();
     let shadow_grid = prepared.shadow_grid();
+    let near_plane = prepared.near_plane();
     let mut frame = Frame {
-        eye: f3(camera.eye),
+        eye: f3(camera.eye + near_plane * camera.forward),
         width: film.width,
         right: f3(camera.right * (half_height * film.aspect())),
         height: film.height,
@@ -268,11 +269,11 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, environment_grid: [
         seed,
         forward: f3(camera.forward),
         tiles_per_row: film.width.div_ceil(TILE),
-        grid_origin: prepared.bvh.grid_origin.to_array(),
+        grid_origin: prepared.bvh.grid.origin.to_array(),
         root: prepared.bvh.root,
-        grid_scale: prepared.bvh.grid_scale.to_array(),
+        grid_scale: prepared.bvh.grid.scale.to_array(),
         light_count: prepared.emitters.lights.len() as u32,
-        far: 4.0,
+        far: (4.0 * prepared.normalization.reach) as f32,
         pattern: patterns.pixel,
         light_pattern: patterns.light,
         shadow_rays: shadow_grid.rays,
@@ -288,6 +289,13 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, environment_grid: [
             0.0
         },
         lens_up: f3(camera.up * camera.lens.radius),
+        near_plane: near_plane as f32,
+        near_lens: if camera.lens.radius > 0.0 {
+            (1.0 - near_plane / camera.lens.focus_distance) as f32
+        } else {
+            1.0
+        },
+        logarithmic_grid: u32::from(prepared.bvh.grid.logarithmic),
         filter_knots: filter_words(&filter),
         ..Frame::default()
     };

@@ -4,6 +4,7 @@ use crate::accel::{self, Attributes, Bvh, Primitive};
 use crate::effects::{self, Effect, Effects};
 use crate::emitters::Emitters;
 use crate::scene::normalize::Normalization;
+use crate::scene::refine::refine;
 use crate::scene::{LightSelection, Sampler, Scene, ShadowGrid, ShadowPattern, Strategy};
 
 /// A scene made ready: normalised, with its acceleration structure, lights and effects.
@@ -31,11 +32,19 @@ pub struct Prepared {
 
 impl Prepared {
     /// Makes `scene` ready for `strategy` with lights chosen by `selection`.
-    pub fn new(scene: Scene, strategy: Strategy, selection: LightSelection) -> Self {
+    pub fn new(mut scene: Scene, strategy: Strategy, selection: LightSelection) -> Self {
         let start = std::time::Instant::now();
         let normalization = Normalization::of(&scene);
+        let extreme = normalization.is_extreme();
+        if extreme {
+            refine(&mut scene, &normalization);
+        }
         let mut primitives = accel::primitives(&scene, &normalization);
-        let bvh = accel::build(&mut primitives);
+        let bvh = if extreme {
+            accel::build_extreme(&mut primitives, &normalization)
+        } else {
+            accel::build(&mut primitives)
+        };
         let accel_seconds = start.elapsed().as_secs_f64();
         let attributes = Attributes::new(&scene, &primitives);
         let emitters = Emitters::new(&scene, &normalization, &primitives, strategy, selection);
@@ -43,7 +52,7 @@ impl Prepared {
         let emitting = emitting.map(|index| primitives[index as usize].geometry.bounds());
         let light_boxes = accel::light_boxes(&bvh, emitting.collect());
         let effects = effects::called_for(&scene, &primitives, &attributes, &emitters, strategy);
-        Self {
+        let mut prepared = Self {
             scene,
             normalization,
             primitives,
@@ -53,6 +62,25 @@ impl Prepared {
             light_boxes,
             effects,
             accel_seconds,
+        };
+        prepared.call_for_scale();
+        prepared
+    }
+
+    /// Adds the effects that the scale of the scene calls for.
+    fn call_for_scale(&mut self) {
+        let (near_plane, normalization) = (self.near_plane(), self.normalization);
+        if self.bvh.grid.logarithmic {
+            self.effects.call_for(Effect::LogarithmicGrid, || {
+                let ratio = normalization.reach / normalization.radius;
+                format!("the scene is {ratio:.1e} times as large as what is in view")
+            });
+        }
+        if near_plane > 0.0 {
+            self.effects.call_for(Effect::DistantCamera, || {
+                let ratio = near_plane / normalization.radius;
+                format!("the camera is {ratio:.1e} times as far away as what it sees is large")
+            });
         }
     }
 

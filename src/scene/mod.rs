@@ -20,11 +20,13 @@ pub mod metals;
 pub mod normalize;
 pub mod opacity;
 mod range;
+pub mod refine;
 pub mod settings;
 pub mod shadow_rays;
 pub mod shape;
 pub mod texture;
 pub mod validate;
+mod view;
 
 pub use aov::{Aov, Aovs};
 pub use camera::{Camera, FilmSize, Lens, Projection};

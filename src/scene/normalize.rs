@@ -4,9 +4,21 @@
 //! everything is scaled by a power of two so that it lies in [−1, 1]: a scene far from the origin, or of
 //! any size, loses no more than one near it. Radiance does not change; the intensity of a point light grows with the
 //! square of the scale.
+//!
+//! A scene that is larger than the detail in view by more than [`EXTREME_RATIO`] is *extreme*: in [−1, 1] rounding would
+//! swallow that detail. Its centre is what the camera sees, and its unit the length that matters there. f32 rounds
+//! relative to the distance from the centre, so the far parts lose no more than the near ones as the camera sees them.
 
+use super::view::View;
 use super::{Camera, Geometry, Lens, Projection, Scene, Shape};
 use glam::DVec3;
+
+/// Size of a scene over the smallest length that matters in view beyond which the scene is extreme. Rays leave a surface
+/// 2⁻²⁰ of its coordinates off it: at this ratio 2⁻⁸ of that length.
+pub const EXTREME_RATIO: f64 = 4096.0;
+/// Largest coordinate of an extreme scene, normalised space: the fourth power of an edge, the squared length of a normal that
+/// is not normalised, is finite in f32.
+const MAX_REACH: f64 = 1_073_741_824.0;
 
 /// The map from world space to normalised space: `(p − center) · scale`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,28 +27,58 @@ pub struct Normalization {
     pub center: DVec3,
     /// A power of two.
     pub scale: f64,
-    /// Half the longest side of the geometry's box, normalised space: above ½ and at most 1; 1 without geometry.
+    /// Radius of what is rendered, normalised space: half the longest side of the geometry's box, above ½ and at most 1; 1
+    /// without geometry. In an extreme scene the smallest length that matters in view.
     pub radius: f64,
+    /// Largest coordinate of the geometry, normalised space: 1 unless the scene is extreme.
+    pub reach: f64,
 }
 
 impl Normalization {
     /// The normalisation of a scene; that of one without geometry moves the eye to the origin.
     pub fn of(scene: &Scene) -> Self {
+        Self::for_camera(scene, &scene.camera)
+    }
+
+    /// The same where `camera` takes the place of the scene's.
+    pub fn for_camera(scene: &Scene, camera: &Camera) -> Self {
         let Some((low, high)) = bounds(&scene.shapes) else {
             return Self {
-                center: scene.camera.eye,
+                center: camera.eye,
                 scale: 1.0,
                 radius: 1.0,
+                reach: 1.0,
             };
         };
         let half = 0.5 * (high - low).max_element();
-        let exponent = if half > 0.0 { -half.log2().ceil() } else { 0.0 };
-        let scale = exponent.clamp(-1000.0, 1000.0).exp2();
+        if let Some(view) = View::below(scene, camera, half / EXTREME_RATIO) {
+            return Self::around(&view, (low, high));
+        }
+        let scale = to_one(half);
         Self {
             center: 0.5 * (low + high),
             scale,
             radius: if half > 0.0 { half * scale } else { 1.0 },
+            reach: 1.0,
         }
+    }
+
+    /// The normalisation of an extreme scene between the corners `low` and `high`.
+    fn around(view: &View, (low, high): (DVec3, DVec3)) -> Self {
+        let farthest = (low - view.center).abs().max((high - view.center).abs());
+        let farthest = farthest.max_element();
+        let scale = to_one(view.scale).min(to_one(farthest) * MAX_REACH);
+        Self {
+            center: view.center,
+            scale,
+            radius: view.scale * scale,
+            reach: farthest * scale,
+        }
+    }
+
+    /// Whether the scene is extreme: its coordinates go beyond [−1, 1].
+    pub fn is_extreme(&self) -> bool {
+        self.reach > 1.0
     }
 
     /// A point of world space in normalised space.
@@ -81,6 +123,16 @@ impl Normalization {
     pub fn intensity(&self, intensity: DVec3) -> DVec3 {
         intensity * (self.scale * self.scale)
     }
+}
+
+/// The power of two that maps `length` to (½, 1]; 1 for lengths of 0.
+fn to_one(length: f64) -> f64 {
+    let exponent = if length > 0.0 {
+        -length.log2().ceil()
+    } else {
+        0.0
+    };
+    exponent.clamp(-1000.0, 1000.0).exp2()
 }
 
 /// The axis-parallel box around all `shapes`; `None` where there is none.

@@ -11,8 +11,9 @@ use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::Crossings;
 use crate::reference::scene::surface::surface_at;
 use crate::reference::scene::trace::closest_hit;
+use crate::render::near_plane::is_distant;
 use crate::render::{Checkpoint, Film, ImageError, Prepared, RayCounts, Session, StopReason};
-use crate::scene::normalize::bounds;
+use crate::scene::normalize::{Normalization, bounds};
 use crate::scene::{Camera, FilmSize, Scene, validate};
 use glam::DVec2;
 use std::sync::Arc;
@@ -130,6 +131,22 @@ impl<'a> View<'a> {
         Arc::ptr_eq(&self.scene, &job.scene)
             && *self.method == *method
             && kind(&self.camera) == kind(&job.camera)
+            && (self.camera == job.camera || self.is_scaled_for(job))
+    }
+
+    /// Whether the scene is scaled as the camera of `job` calls for. While that moves, an ordinary scene stays as it is.
+    fn is_scaled_for(&self, job: &Job) -> bool {
+        let Prepared {
+            effects,
+            normalization,
+            ..
+        } = &self.prepared;
+        let scaled_for_camera =
+            normalization.is_extreme() || effects.contains(Effect::DistantCamera);
+        !scaled_for_camera
+            && (job.moving
+                || *normalization == Normalization::for_camera(&job.scene, &job.camera)
+                    && !is_distant(normalization, &job.camera))
     }
 
     /// Whether nothing is different in `job`.

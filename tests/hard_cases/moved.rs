@@ -101,6 +101,7 @@ fn in_world_space(scene: Scene) -> Prepared {
         center: DVec3::ZERO,
         scale: 1.0,
         radius: 1.0,
+        reach: 1.0,
     };
     p.primitives = accel::primitives(&p.scene, &p.normalization);
     p.bvh = accel::build(&mut p.primitives);

@@ -39,8 +39,8 @@ pub fn prepare(scene: Scene) -> Result<(), String> {
         }
     }
     let bvh = &prepared.bvh;
-    finite("grid: origin", bvh.grid_origin.as_dvec3())?;
-    finite("grid: scale", bvh.grid_scale.as_dvec3())?;
+    finite("grid: origin", bvh.grid.origin.as_dvec3())?;
+    finite("grid: scale", bvh.grid.scale.as_dvec3())?;
     lights(&prepared)
 }
 
