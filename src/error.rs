@@ -3,6 +3,7 @@
 //! The policy: an [`Error`] is about input or the machine and names what would be right; a broken
 //! invariant of direkt itself is an `assert!` with a message.
 
+use crate::gpu::shader::SHADERS_VARIABLE;
 use std::path::{Path, PathBuf};
 
 /// Everything a direkt command can fail with.
@@ -216,14 +217,18 @@ pub enum GpuError {
 }
 
 impl GpuError {
-    /// Whether the user asked for something this machine does not have (exit code 2).
+    /// Whether the user asked for something this machine does not have, or brought shaders that are wrong (exit code 2).
     fn is_about_the_request(&self) -> bool {
-        matches!(
-            self,
+        match self {
             Self::NoAdapter
-                | Self::NoSuchAdapter { .. }
-                | Self::TooLarge { .. }
-                | Self::TooMany { .. }
-        )
+            | Self::NoSuchAdapter { .. }
+            | Self::TooLarge { .. }
+            | Self::TooMany { .. } => true,
+            Self::Shader { .. } => std::env::var_os(SHADERS_VARIABLE).is_some(),
+            Self::Device { .. }
+            | Self::Lost { .. }
+            | Self::OutOfMemory { .. }
+            | Self::Driver { .. } => false,
+        }
     }
 }

@@ -3,6 +3,7 @@
 use crate::emitters::Emitter;
 use crate::error::GpuError;
 use crate::render::Prepared;
+use anstream::adapter::strip_str;
 use include_dir::{Dir, include_dir};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -125,7 +126,7 @@ pub fn link_with<'a>(
     compiler
         .compile(&root)
         .map(|linked| linked.to_string())
-        .map_err(|e| fail(e.to_string()))
+        .map_err(|e| fail(strip_str(&e.to_string()).to_string()))
 }
 
 /// All modules as (`light::triangle`, text).

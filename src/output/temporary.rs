@@ -21,7 +21,7 @@ pub(super) fn create(folder: &Path) -> io::Result<NamedTempFile> {
     builder.prefix(PREFIX).suffix(SUFFIX);
     readable_by_all(&mut builder);
     for _ in 0..TRIES {
-        let file = builder.tempfile_in(folder)?;
+        let file = builder.tempfile_in(folder).map_err(without_path)?;
         // Another run that sweeps may come between making and locking.
         match file.as_file().try_lock() {
             Err(TryLockError::WouldBlock) => {}
@@ -32,6 +32,14 @@ pub(super) fn create(folder: &Path) -> io::Result<NamedTempFile> {
     Err(io::Error::other(
         "temporary files vanish as soon as they are made",
     ))
+}
+
+/// What the system said, without the temporary name, which nobody has asked for.
+fn without_path(error: io::Error) -> io::Error {
+    let said = std::error::Error::source(&error);
+    let said = said.and_then(|e| e.downcast_ref::<io::Error>());
+    let code = said.and_then(io::Error::raw_os_error);
+    code.map_or(error, io::Error::from_raw_os_error)
 }
 
 /// Lets the file have the permissions that the user's mask gives to new files.

@@ -58,10 +58,8 @@ fn places(path: &Path) -> Vec<PathBuf> {
     let mut places = Vec::new();
     // Beside a device is no place for files.
     if matches!(Destination::of(path), Ok(Destination::File(_)) | Err(_)) {
-        places.extend(path.parent().map(|folder| match folder {
-            folder if folder.as_os_str().is_empty() => PathBuf::from("."),
-            folder => folder.to_path_buf(),
-        }));
+        let own = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        places.extend(own.map(Path::to_path_buf));
     }
     places.extend(std::env::current_dir());
     places.push(std::env::temp_dir());

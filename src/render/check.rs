@@ -6,13 +6,15 @@
 //!     |v − e| ≤ z·s + (2e-5 + tolerance)·e
 //! ```
 //!
-//! where z bounds the family-wise false alarm over all values, and 2e-5 is what f32 loses in positions and in the
+//! where z bounds the family-wise false alarm over all values, with Student's t in place of the normal distribution for a pixel to which
+//! adaptive sampling has given fewer than 64 samples, and 2e-5 is what f32 loses in positions and in the
 //! offsets of rays. No sample is negative: where e = 0, v has to be 0. Where nothing that varies was sampled, s is 0:
 //! an estimator that never meets the light fails. No sample may have been dropped.
 
 use super::film::Film;
 use crate::error::Error;
 use crate::scene::{Expect, ExpectedRadiance};
+use crate::stats::interval::student;
 use crate::stats::sidak::Family;
 
 /// Samples per pixel below which the estimated standard error is not worth a check.
@@ -58,6 +60,8 @@ pub struct Failure {
     pub expected: f64,
     /// Standard error of `found`.
     pub standard_error: f64,
+    /// Samples of the pixel; of the image's mean, those of a pixel on the average.
+    pub samples: u64,
     /// The largest difference that would have been accepted.
     pub bound: f64,
 }
@@ -66,15 +70,14 @@ impl Check {
     /// Compares `film` with `expect`.
     ///
     /// # Errors
-    /// [`Error::Usage`] when a pixel has fewer than [`MIN_SAMPLES`] samples.
+    /// [`Error::Usage`] when pixels have fewer than [`MIN_SAMPLES`] samples on the average.
     ///
     /// # Panics
     /// When `expect` is about a film of another size, which a validated scene excludes.
     pub fn new(film: &Film, expect: &Expect) -> Result<Self, Error> {
-        let fewest = film.sample_range().0;
         // Where samples were dropped, the check fails in any case.
         if film.ledger.dropped == 0 {
-            require_samples(fewest)?;
+            require_samples(film.mean_samples())?;
         }
         let values = values(film, &expect.radiance);
         let bound_sigma = bound_sigma(values.len());
@@ -85,7 +88,7 @@ impl Check {
             let allowed = allowance * value.expected;
             let difference = (value.found - value.expected).abs();
             let sigma = if value.expected > 0.0 {
-                value.standard_error
+                value.standard_error * widening(value.samples, values.len())
             } else {
                 0.0
             };
@@ -124,9 +127,10 @@ pub fn require_samples(samples: u64) -> Result<(), Error> {
 
 /// The values to compare, still without bounds.
 fn values(film: &Film, expected: &ExpectedRadiance) -> Vec<Failure> {
-    let value = |pixel, found: [f64; 3], error: [f64; 3], expected: glam::DVec3| {
+    let value = |pixel, samples, found: [f64; 3], error: [f64; 3], expected: glam::DVec3| {
         (0..3).map(move |channel| Failure {
             pixel,
+            samples,
             channel,
             found: found[channel],
             expected: expected[channel],
@@ -139,7 +143,7 @@ fn values(film: &Film, expected: &ExpectedRadiance) -> Vec<Failure> {
     match expected {
         ExpectedRadiance::Mean(mean) => {
             let error = film.cautious_standard_error_of_mean().unwrap_or(unknown);
-            value(None, film.mean(), error, *mean).collect()
+            value(None, film.mean_samples(), film.mean(), error, *mean).collect()
         }
         ExpectedRadiance::Pixels(pixels) => {
             assert_eq!(pixels.len(), film.pixels.len(), "one value per pixel");
@@ -148,7 +152,8 @@ fn values(film: &Film, expected: &ExpectedRadiance) -> Vec<Failure> {
             let values = pixels.flat_map(|(i, (pixel, &expected))| {
                 let variance = pixel.variance_of_mean().unwrap_or(unknown);
                 let place = Some([i % width, i / width]);
-                value(place, pixel.mean, variance.map(f64::sqrt), expected)
+                let error = variance.map(f64::sqrt);
+                value(place, pixel.samples, pixel.mean, error, expected)
             });
             values.collect()
         }
@@ -159,6 +164,17 @@ fn values(film: &Film, expected: &ExpectedRadiance) -> Vec<Failure> {
 /// at least [`MIN_SIGMAS`].
 fn bound_sigma(values: usize) -> f64 {
     f64::max(Family::new(values.max(1)).z_bound(), MIN_SIGMAS)
+}
+
+/// How many times wider the bound of a value of `samples` samples is, one of `values`, as its standard error is itself an estimate:
+/// with few samples the difference in standard errors has Student's t-distribution (Student 1908, "The Probable Error of a Mean").
+fn widening(samples: u64, values: usize) -> f64 {
+    if !(2..MIN_SAMPLES).contains(&samples) {
+        return 1.0;
+    }
+    let level = Family::new(values.max(1)).test_level();
+    let bound = student((samples - 1) as f64, 1.0 - level);
+    f64::max(bound / bound_sigma(values), 1.0)
 }
 
 #[cfg(test)]
@@ -259,6 +275,27 @@ mod tests {
         let off = check(&film, &mean(0.0, 0.0));
         assert!(!off.passed && off.worst_sigma.is_infinite());
         assert_eq!(off.failures.len(), 1);
+    }
+
+    /// As adaptive sampling leaves them: few samples where the noise is small.
+    #[test]
+    fn few_samples_of_a_pixel_widen_its_bound() {
+        // F(t) = 1 − 1.66667e-5 at 1 and 3 degrees of freedom, by the closed forms of F.
+        for (samples, quantile) in [(2, 19_097.96), (4, 40.414_8)] {
+            let found = widening(samples, 3) * bound_sigma(3);
+            assert!((found / quantile - 1.0).abs() < 1e-5, "{samples}: {found}");
+        }
+        let of = |samples| widening(samples, 3072);
+        assert!(of(16) > of(32) && of(32) > of(63) && of(63) > 1.0);
+        assert!((of(64) - 1.0).abs() <= 0.0);
+        let mut film = film(256);
+        film.pixels[1].samples = 16;
+        film.pixels[1].m2 = [1e-4 * 16.0 * 15.0; 3];
+        let at = |value: f64| ExpectedRadiance::Pixels(vec![DVec3::ONE, DVec3::splat(value)]);
+        // At 15 degrees of freedom and six values the bound is 6.211 standard errors.
+        assert!(check(&film, &expect(at(1.062), 0.0)).passed);
+        assert!(!check(&film, &expect(at(1.0623), 0.0)).passed);
+        assert!(check(&film, &mean(1.0, 0.0)).passed, "the mean has them all");
     }
 
     #[test]
