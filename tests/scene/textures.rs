@@ -226,7 +226,6 @@ fn bad_textures_are_named() {
         refused(&color("none.png"), &[]),
         refused(&color("text.png"), &[("text.png", b"no image".to_vec())]),
         refused(&color("large.png"), &[("large.png", header)]),
-        refused("textures.normal = { file = \"grey.png\" }", &grey()),
         refused(
             "textures.metallic_roughness = { file = \"rgb.png\" }",
             &[("rgb.png", png(&[[1, 2, 3], [3, 2, 1]]))],

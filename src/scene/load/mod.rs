@@ -3,7 +3,9 @@
 //! Each file format lives in a module of its own; all of them end in the same [`Scene`], in world space and f64,
 //! validated. What a file asks for and direkt does not do becomes one sentence in [`Scene::warnings`].
 
+mod chromaticities;
 mod cutoff;
+mod decode;
 mod exr;
 mod files;
 mod frame;
@@ -12,6 +14,7 @@ mod image;
 mod mesh;
 mod obj;
 mod ply;
+mod radiance;
 mod texture;
 mod toml_scene;
 mod transform;

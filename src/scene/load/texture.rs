@@ -1,15 +1,13 @@
-//! Images that materials read: PNG, JPEG, Radiance HDR and OpenEXR.
+//! Images that materials read.
 
 use super::cutoff::{self, Alpha};
-use super::exr;
-use super::image::unreadable;
+use super::decode::{self, Wanted};
 use crate::error::InputError;
 use crate::scene::{Material, Opacity, Shape, Texels, Texture, TextureId, TextureUse};
 use glam::DVec3;
 use half::f16;
-use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage};
 use std::collections::HashMap;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// What the numbers of an image mean.
@@ -28,13 +26,16 @@ pub(super) enum Meaning {
 /// Most that an f16 holds.
 const MAX_HALF: f32 = 65_504.0;
 
+/// An image by its file, its layer and its meaning.
+type Key = (PathBuf, Option<String>, Meaning);
+
 /// The textures of a scene, each image once for each of its meanings.
 pub(super) struct Textures {
     first: usize,
     list: Vec<Texture>,
     /// The alphas of images whose channels have more than 8 bits.
     fine_alphas: HashMap<TextureId, Vec<f32>>,
-    known: HashMap<(PathBuf, Meaning), TextureId>,
+    known: HashMap<Key, TextureId>,
     warnings: Vec<String>,
 }
 
@@ -50,24 +51,25 @@ impl Textures {
         }
     }
 
-    /// The texture called `name`, made of what `bytes` returns unless it is known.
+    /// The texture called `name`, of an OpenEXR file its layer `layer`, made of what `bytes` returns unless it is known.
     pub(super) fn get(
         &mut self,
         name: &Path,
+        layer: Option<&str>,
         meaning: Meaning,
         bytes: impl FnOnce() -> Result<Vec<u8>, InputError>,
     ) -> Result<TextureId, InputError> {
-        let key = (name.to_path_buf(), meaning);
-        if let Some(&id) = self.known.get(&key) {
+        let key = |meaning| (name.to_path_buf(), layer.map(str::to_owned), meaning);
+        if let Some(&id) = self.known.get(&key(meaning)) {
             return Ok(id);
         }
         let Decoded {
             texture,
             fine_alphas,
             meaning: decoded,
-        } = decode(name, &bytes()?, meaning, &mut self.warnings)?;
+        } = decode(name, layer, &bytes()?, meaning, &mut self.warnings)?;
         // An image that is read as a colour and as an opacity is held once.
-        let decoded = (name.to_path_buf(), decoded);
+        let decoded = key(decoded);
         let id = if let Some(&id) = self.known.get(&decoded) {
             id
         } else {
@@ -79,7 +81,7 @@ impl Textures {
             }
             TextureId(id)
         };
-        self.known.insert(key, id);
+        self.known.insert(key(meaning), id);
         Ok(id)
     }
 
@@ -125,44 +127,29 @@ struct Decoded {
 /// Decodes an image; `name` is for messages.
 fn decode(
     name: &Path,
+    layer: Option<&str>,
     bytes: &[u8],
     meaning: Meaning,
     warnings: &mut Vec<String>,
 ) -> Result<Decoded, InputError> {
-    const FORMATS: &str = "a PNG, JPEG, Radiance HDR or OpenEXR image";
-    let format = image::guess_format(bytes)
-        .map_err(|_| InputError::file(name, "is not an image of a known format", FORMATS))?;
-    match format {
-        ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Hdr => {}
-        ImageFormat::OpenExr => exr::check(name, bytes)?,
-        other => {
-            let problem = format!("is of the format {other:?}");
-            return Err(InputError::file(name, problem, FORMATS));
-        }
-    }
-    let failed = |e: image::ImageError| unreadable(name, &e.to_string());
-    let reader = || ImageReader::with_format(Cursor::new(bytes), format);
-    let (width, height) = reader().into_dimensions().map_err(failed)?;
-    if width == 0 || height == 0 || width > Texture::MAX_SIDE || height > Texture::MAX_SIDE {
-        return Err(InputError::file(
-            name,
-            format!("is an image of {width} x {height} texels"),
-            format!("1 to {} texels per side", Texture::MAX_SIDE),
-        ));
-    }
-    let mut decoder = reader();
-    decoder.limits(Limits::no_limits());
-    let image = decoder.decode().map_err(failed)?;
+    let wanted = Wanted {
+        file: name,
+        is_color: meaning == Meaning::Color,
+        layer,
+        max_side: Texture::MAX_SIDE,
+        is_radiance: false,
+    };
+    let image = decode::decode(&wanted, bytes, warnings)?;
     let meaning = match meaning {
         Meaning::Opacity if image.color().has_alpha() => Meaning::Color,
         other => other,
     };
-    check_channels(name, image.color().channel_count(), meaning)?;
+    check_channels(name, &image, meaning, warnings)?;
     let fine_alphas = fine_alphas(&image, meaning);
     let texture = Texture {
         source: name.display().to_string(),
-        width,
-        height,
+        width: image.width(),
+        height: image.height(),
         texels: texels(name, image, meaning, warnings),
     };
     Ok(Decoded {
@@ -193,28 +180,26 @@ fn fine_alphas(image: &DynamicImage, meaning: Meaning) -> Option<Vec<f32>> {
     }
 }
 
-/// Checks that an image has the `channels` that its meaning asks for.
-fn check_channels(name: &Path, channels: u8, meaning: Meaning) -> Result<(), InputError> {
-    let (holds, what) = match meaning {
-        Meaning::Color => (true, ""),
-        Meaning::Data => (
-            channels >= 3,
-            "three channels: roughness is green, metallic blue",
-        ),
-        Meaning::Vector => (channels >= 3, "three channels: a normal map's x, y and z"),
-        Meaning::Opacity => (channels == 1, "an alpha channel, or one channel alone"),
-    };
-    if holds {
-        return Ok(());
+/// Checks that an image has the channels that its meaning asks for. Grey stands for equal red, green and blue.
+fn check_channels(
+    name: &Path,
+    image: &DynamicImage,
+    meaning: Meaning,
+    warnings: &mut Vec<String>,
+) -> Result<(), InputError> {
+    let channels = image.color().channel_count();
+    if meaning == Meaning::Opacity && channels != 1 {
+        let problem = format!("has {channels} channels and no alpha");
+        let expected = "an alpha channel, or one channel alone";
+        return Err(InputError::file(name, problem, expected));
     }
-    let s = if channels == 1 { "" } else { "s" };
-    let alpha = if meaning == Meaning::Opacity {
-        " and no alpha"
-    } else {
-        ""
-    };
-    let problem = format!("has {channels} channel{s}{alpha}");
-    Err(InputError::file(name, problem, what))
+    if meaning == Meaning::Vector && channels < 3 {
+        warnings.push(format!(
+            "{}: a normal map of one channel has equal x, y and z; is it a height map?",
+            name.display()
+        ));
+    }
+    Ok(())
 }
 
 fn texels(

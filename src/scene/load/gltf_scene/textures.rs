@@ -99,7 +99,7 @@ pub(super) fn texture_use(
     let field = format!("textures[{}]", named.texture);
     let image = texture.source.value();
     let json = document.get(&root.images, image, "image", || format!("{field}.source"))?;
-    let id = textures.get(&document.image_name(image, json), meaning, || {
+    let id = textures.get(&document.image_name(image, json), None, meaning, || {
         document.image(image, json)
     })?;
     let (wrap, interpolation) = match texture.sampler {

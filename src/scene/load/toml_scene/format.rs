@@ -222,6 +222,9 @@ pub(super) struct EnvironmentTable {
     pub(super) radiance: Option<Rgb>,
     /// A latitude-longitude map (.hdr, .exr); +y is up, and its middle lies in direction −z.
     pub(super) file: Option<String>,
+    /// The layer of an OpenEXR file, such as `ViewLayer.Combined`; the colours without a layer, or those of the only one, when
+    /// left out.
+    pub(super) layer: Option<String>,
     /// What lies between the map's texels.
     #[serde(default)]
     pub(super) interpolation: Interpolation,

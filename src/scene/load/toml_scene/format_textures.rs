@@ -25,8 +25,11 @@ pub(super) struct TexturesTable {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TextureTable {
-    /// An image in .png, .jpg, .hdr or .exr. Of a `color` 8 and 16 bits are sRGB, floats linear.
+    /// An image in .png, .jpg, .hdr, .exr, .bmp, .tga, .tif or .webp. Of a `color` 8 and 16 bits are sRGB, floats linear.
     pub(super) file: String,
+    /// The layer of an OpenEXR file, such as `ViewLayer.Combined`; the colours without a layer, or those of the only one, when
+    /// left out.
+    pub(super) layer: Option<String>,
     /// What lies outside of the image, along u and v.
     #[serde(default)]
     pub(super) wrap: [Wrap; 2],

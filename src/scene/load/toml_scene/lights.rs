@@ -92,7 +92,8 @@ pub(super) fn environment(
             let path = context
                 .folders
                 .resolve(file, context.path, "environment.file")?;
-            let mut map = image::read_environment(&path, &mut context.warnings)?;
+            let mut map =
+                image::read_environment(&path, table.layer.as_deref(), &mut context.warnings)?;
             map.interpolation = table.interpolation;
             EnvironmentRadiance::Map(map)
         }

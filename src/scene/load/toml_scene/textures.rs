@@ -73,7 +73,9 @@ pub(super) fn texture_use(
         .folders
         .resolve(&table.file, context.path, &format!("{field}.file"))?;
     Ok(TextureUse {
-        texture: textures.get(&file, meaning, || files::read(&file))?,
+        texture: textures.get(&file, table.layer.as_deref(), meaning, || {
+            files::read(&file)
+        })?,
         transform: DAffine2::from_scale(DVec2::from_array(table.repeat)),
         wrap: table.wrap,
         interpolation: table.interpolation,
