@@ -7,6 +7,7 @@ pub mod alias_table;
 pub mod aov;
 pub mod camera;
 mod choice;
+pub mod ellipsoid;
 pub mod expect;
 pub mod filter;
 pub mod fresnel;
