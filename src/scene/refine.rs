@@ -175,6 +175,7 @@ impl Mesh {
             triangles: _,
             normals,
             uvs,
+            colors,
         } = self;
         let index = positions.len() as u32;
         positions.push(0.5 * (positions[a] + positions[b]));
@@ -184,6 +185,9 @@ impl Mesh {
         }
         if !uvs.is_empty() {
             uvs.push(0.5 * (uvs[a] + uvs[b]));
+        }
+        if !colors.is_empty() {
+            colors.push(0.5 * (colors[a] + colors[b]));
         }
         index
     }
@@ -219,8 +223,8 @@ fn of_rectangle(corner: DVec3, u: DVec3, v: DVec3) -> Mesh {
     Mesh {
         positions: coordinates.map(|st| corner + st.x * u + st.y * v).to_vec(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
-        normals: Vec::new(),
         uvs: coordinates.map(rectangle_uv).to_vec(),
+        ..Mesh::default()
     }
 }
 
@@ -275,8 +279,8 @@ impl Disk {
         Mesh {
             positions: Self::VERTICES.map(|vertex| self.point(vertex)).to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 1]],
-            normals: Vec::new(),
             uvs: Self::VERTICES.map(|vertex| disk_uv(vertex.st)).to_vec(),
+            ..Mesh::default()
         }
     }
 }
