@@ -54,7 +54,7 @@ pub(super) fn load_scene(path: &Path, folders: &Folders) -> Result<Scene, InputE
         source: path.to_path_buf(),
         camera: imported
             .camera
-            .unwrap_or_else(|| frame::framed(&imported.shapes, film)),
+            .unwrap_or_else(|| frame::framed(&imported.shapes, &imported.materials, film).0),
         film,
         materials: imported.materials,
         textures: imported.textures,

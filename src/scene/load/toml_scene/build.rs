@@ -115,11 +115,11 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         .map(|e| expect::expect(&context, e, film))
         .transpose()?;
     let camera = camera.unwrap_or_else(|| {
-        context.warnings.push(
-            "the scene has no camera: one that looks along −z and frames the geometry is used"
-                .to_owned(),
-        );
-        frame::framed(&shapes, film)
+        let (camera, axis) = frame::framed(&shapes, &materials, film);
+        context.warnings.push(format!(
+            "the scene has no camera: one that looks along {axis} and frames the geometry is used"
+        ));
+        camera
     });
     Ok(Scene {
         source: path.to_path_buf(),
