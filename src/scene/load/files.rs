@@ -87,6 +87,10 @@ impl Folders {
             }
             left_all = false;
             if let Ok(canonical) = std::fs::canonicalize(&candidate) {
+                if self.is_allowed(&canonical) && canonical.is_dir() {
+                    let problem = format!("`{name}` is a folder");
+                    return Err(InputError::new(scene_file, field, problem, "a file"));
+                }
                 if self.is_allowed(&canonical) {
                     self.locked().push(canonical.clone());
                     return Ok(canonical);
