@@ -34,7 +34,8 @@ impl Opacity {
     pub fn at(&self, texel: f64) -> f64 {
         let product = self.factor * texel;
         match self.cutoff {
-            Some(cutoff) if product >= cutoff => 1.0,
+            // As the GPU compares them: what a file says in 8 bits or in f32 reaches a cutoff that it is meant to be.
+            Some(cutoff) if product as f32 >= cutoff as f32 => 1.0,
             Some(_) => 0.0,
             None => product,
         }

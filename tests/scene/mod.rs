@@ -15,6 +15,8 @@ mod gltf_nodes;
 mod gltf_poses;
 mod image_formats;
 mod light_groups;
+mod material_libraries;
+mod mesh_text;
 mod meshes;
 mod opacity;
 mod radiance;

@@ -14,28 +14,43 @@ pub(super) struct NamedMesh {
     pub(super) mesh: Mesh,
 }
 
-/// Reads the geometry of a PLY, OBJ, glTF or GLB file; what it holds besides goes to `warnings`.
+/// A format of meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Format {
+    /// Stanford PLY.
+    Ply,
+    /// Wavefront OBJ.
+    Obj,
+    /// glTF and GLB.
+    Gltf,
+}
+
+impl Format {
+    /// The format that the extension of `path` tells.
+    pub(super) fn of(path: &Path) -> Option<Self> {
+        match files::extension(path).as_str() {
+            "ply" => Some(Self::Ply),
+            "obj" => Some(Self::Obj),
+            "gltf" | "glb" => Some(Self::Gltf),
+            _ => None,
+        }
+    }
+}
+
+/// Reads the geometry of a file; what it holds besides goes to `warnings`.
 pub(super) fn read(
+    format: Format,
     path: &Path,
     folders: &Folders,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<NamedMesh>, InputError> {
-    let single = |mesh| {
-        vec![NamedMesh {
-            name: String::new(),
-            mesh,
-        }]
+    let mesh = match format {
+        Format::Ply => ply::read(path, warnings)?,
+        Format::Obj => obj::read(path, warnings)?.mesh(warnings),
+        Format::Gltf => return gltf_scene::load_meshes(path, folders, warnings),
     };
-    match files::extension(path).as_str() {
-        "ply" => Ok(single(ply::read(path)?)),
-        "obj" => Ok(single(obj::read(path, warnings)?)),
-        "gltf" | "glb" => gltf_scene::load_meshes(path, folders, warnings),
-        other => Err(InputError::file(
-            path,
-            format!("`.{other}` is not a mesh format"),
-            "a mesh in .ply, .obj, .gltf or .glb",
-        )),
-    }
+    let name = String::new();
+    Ok(vec![NamedMesh { name, mesh }])
 }
 
 /// Drops triangles without area or with a vertex that is not finite, and vertices that no triangle uses (they

@@ -12,12 +12,16 @@ mod frame;
 mod gltf_scene;
 mod image;
 mod mesh;
+mod mtl;
 mod obj;
 mod ply;
+mod polygon;
 mod radiance;
+mod text;
 mod texture;
 mod toml_scene;
 mod transform;
+mod vertex_colors;
 
 use super::{Emission, Geometry, Scene, validate};
 use crate::error::{Error, InputError, readable};
@@ -74,7 +78,9 @@ fn load_from(path: &Path, folders: &Folders) -> Result<Scene, Error> {
         }
     };
     validate::validate(&scene)?;
+    vertex_colors::drop_on_metals(&mut scene);
     texture::fold_constant(&mut scene.materials, &scene.textures);
+    vertex_colors::fold_opacity(&mut scene);
     texture::fold_constant_emission(&mut scene.shapes, &scene.textures);
     let mut warnings = general_warnings(&scene);
     scene.warnings.append(&mut warnings);

@@ -1,122 +1,175 @@
-//! Wavefront OBJ: positions, normals, texture coordinates and faces; materials come from the scene file.
+//! Wavefront OBJ: positions, normals, texture coordinates, vertex colours and faces, with the names of their materials.
+
+mod statements;
 
 use super::files;
+use super::polygon::Triangulator;
+use super::text;
+use super::vertex_colors;
 use crate::error::InputError;
 use crate::scene::Mesh;
-use glam::{DVec2, DVec3};
-use std::cell::Cell;
+use glam::{DVec2, DVec3, Vec4};
+use statements::Reader;
+use std::collections::HashMap;
 use std::path::Path;
 
-/// Reads an OBJ file; its objects and groups become one mesh, polygons fans of triangles.
-pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Mesh, InputError> {
+/// Stands for an attribute that a corner does not have.
+const NONE: u32 = u32::MAX;
+
+/// What an OBJ file holds; corners are indices into its positions, texture coordinates and normals.
+#[derive(Debug, Default)]
+pub(super) struct ObjFile {
+    name: String,
+    positions: Vec<DVec3>,
+    /// One per position, or none.
+    colors: Vec<Vec4>,
+    uvs: Vec<DVec2>,
+    normals: Vec<DVec3>,
+    corners: Vec<[u32; 3]>,
+    /// Where the corners of each face end.
+    ends: Vec<u32>,
+    /// From which face on which of `materials` is used.
+    runs: Vec<(usize, Option<usize>)>,
+    /// Names by `usemtl`, in the order of their first use.
+    materials: Vec<String>,
+    /// Material libraries, each as the line that names it.
+    pub(super) libraries: Vec<String>,
+}
+
+/// The faces of one material.
+pub(super) struct MaterialMesh {
+    /// Its name, where `usemtl` gives one.
+    pub(super) material: Option<String>,
+    /// Their triangles.
+    pub(super) mesh: Mesh,
+}
+
+/// Reads an OBJ file; what it holds besides goes to `warnings`.
+pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<ObjFile, InputError> {
     let bytes = files::read(path)?;
-    let options = tobj::LoadOptions {
-        triangulate: true,
-        single_index: true,
-        ignore_points: true,
-        ignore_lines: true,
-    };
-    let names_materials = Cell::new(false);
-    let mut rest = bytes.as_slice();
-    let loaded = tobj::load_obj_buf(&mut rest, &options, |_| {
-        names_materials.set(true);
-        Err(tobj::LoadError::OpenFileFailed)
-    });
-    let read = &bytes[..bytes.len() - rest.len()];
-    let (models, _) = loaded.map_err(|e| refusal(path, read, &e))?;
-    if names_materials.get() {
-        warnings.push(format!(
-            "{}: material libraries (mtllib) are ignored: a shape has the material that the scene file names",
-            path.display()
-        ));
-    }
-    let mut mesh = Mesh::default();
-    for model in models {
-        append(&mut mesh, &model.mesh)
-            .ok_or_else(|| InputError::file(path, "has more than 2³² vertices", "fewer"))?;
-    }
-    if mesh.triangles.is_empty() {
+    let mut reader = Reader::new(path);
+    reader.read(&text::decode(&bytes))?;
+    let file = reader.finish(warnings)?;
+    if file.ends.is_empty() {
         return Err(InputError::file(path, "holds no face", "a mesh"));
     }
-    Ok(mesh)
+    Ok(file)
 }
 
-/// The error about the last line of `read`; an index that is out of range comes up only when its object ends.
-fn refusal(path: &Path, read: &[u8], error: &tobj::LoadError) -> InputError {
-    use tobj::LoadError;
-    let lines = || read.split(|b| *b == b'\n');
-    let out_of_range = |what: &str, keyword: &[u8]| {
-        let count = lines()
-            .filter(|line| line.trim_ascii_start().starts_with(keyword))
-            .count();
-        InputError::file(
-            path,
-            format!("a face names a {what} that is out of range"),
-            match count {
-                0 => "no index: there is none so far".to_owned(),
-                n => format!("1 to {n}, or -{n} to -1 (there are {n} so far)"),
-            },
-        )
-    };
-    let expected = match error {
-        LoadError::FaceVertexOutOfBounds => return out_of_range("vertex", b"v "),
-        LoadError::FaceTexCoordOutOfBounds => return out_of_range("texture coordinate", b"vt "),
-        LoadError::FaceNormalOutOfBounds => return out_of_range("normal", b"vn "),
-        LoadError::FaceColorOutOfBounds => {
-            let problem = "some vertices have a colour and some have none";
-            return InputError::file(path, problem, "a colour for each vertex, or for none");
+impl ObjFile {
+    /// All faces as one mesh, in their order.
+    pub(super) fn mesh(&self, warnings: &mut Vec<String>) -> Mesh {
+        let mut builder = Builder::new(self);
+        for face in 0..self.ends.len() {
+            builder.add(face);
         }
-        LoadError::PositionParseError => "`v` and three numbers",
-        LoadError::ColorParseError => "`v` and three numbers, and three for a colour",
-        LoadError::NormalParseError => "`vn` and three numbers",
-        LoadError::TexcoordParseError => "`vt` and two numbers",
-        LoadError::FaceParseError => "`f` and indices such as 1, 1/2, 1//3 or 1/2/3",
-        LoadError::ReadError => "text in UTF-8",
-        _ => "an OBJ file",
-    };
-    let read = read.strip_suffix(b"\n").unwrap_or(read);
-    let line = read.rsplit(|b| *b == b'\n').next().unwrap_or_default();
-    InputError::new(
-        path,
-        format!("line {}", 1 + read.iter().filter(|b| **b == b'\n').count()),
-        format!("is `{}`", String::from_utf8_lossy(line.trim_ascii())),
-        expected,
-    )
-}
-
-fn append(mesh: &mut Mesh, part: &tobj::Mesh) -> Option<()> {
-    let first = u32::try_from(mesh.positions.len()).ok()?;
-    u32::try_from(mesh.positions.len() + part.positions.len() / 3).ok()?;
-    let vectors = |numbers: &[f64]| -> Vec<DVec3> {
-        let vectors = numbers.chunks_exact(3);
-        vectors.map(|p| DVec3::new(p[0], p[1], p[2])).collect()
-    };
-    let pairs = part.texcoords.chunks_exact(2);
-    // The file's v points up.
-    let uvs = pairs.map(|p| DVec2::new(p[0], 1.0 - p[1])).collect();
-    let before = mesh.positions.len();
-    let positions = vectors(&part.positions);
-    let count = positions.len();
-    append_attributes(&mut mesh.normals, vectors(&part.normals), before, count);
-    append_attributes(&mut mesh.uvs, uvs, before, count);
-    mesh.positions.extend(positions);
-    let triangles = part.indices.chunks_exact(3);
-    mesh.triangles
-        .extend(triangles.map(|t| [first + t[0], first + t[1], first + t[2]]));
-    Some(())
-}
-
-/// Appends what `count` further vertices have; where only some of a file's objects have it, the others have zeros.
-fn append_attributes<T: Default + Clone>(
-    all: &mut Vec<T>,
-    part: Vec<T>,
-    before: usize,
-    count: usize,
-) {
-    if all.is_empty() && part.is_empty() {
-        return;
+        let mut triangulator = Triangulator::default();
+        let mesh = builder.into_mesh(&mut triangulator);
+        warnings.append(&mut triangulator.warnings(&self.name));
+        mesh
     }
-    all.resize(before, T::default());
-    all.extend(part);
-    all.resize(before + count, T::default());
+
+    /// A mesh per material, in the order in which faces use them first.
+    pub(super) fn meshes_by_material(&self, warnings: &mut Vec<String>) -> Vec<MaterialMesh> {
+        let mut builders: Vec<(Option<usize>, Builder)> = Vec::new();
+        let ends = self.runs.iter().skip(1).map(|(first, _)| *first);
+        let ends = ends.chain([self.ends.len()]);
+        for ((first, material), end) in self.runs.iter().zip(ends) {
+            if *first == end {
+                continue;
+            }
+            let known = builders.iter().position(|(of, _)| of == material);
+            let place = known.unwrap_or_else(|| {
+                builders.push((*material, Builder::new(self)));
+                builders.len() - 1
+            });
+            for face in *first..end {
+                builders[place].1.add(face);
+            }
+        }
+        let mut triangulator = Triangulator::default();
+        let meshes = builders
+            .into_iter()
+            .map(|(material, builder)| MaterialMesh {
+                material: material.map(|index| self.materials[index].clone()),
+                mesh: builder.into_mesh(&mut triangulator),
+            });
+        let meshes = meshes.collect();
+        warnings.append(&mut triangulator.warnings(&self.name));
+        meshes
+    }
+}
+
+/// Makes a mesh, whose vertices have one index, of faces whose corners have three.
+struct Builder<'a> {
+    file: &'a ObjFile,
+    known: HashMap<[u32; 3], u32>,
+    vertices: Vec<[u32; 3]>,
+    corners: Vec<u32>,
+    ends: Vec<usize>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(file: &'a ObjFile) -> Self {
+        Self {
+            file,
+            known: HashMap::new(),
+            vertices: Vec::new(),
+            corners: Vec::new(),
+            ends: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, face: usize) {
+        let start = face
+            .checked_sub(1)
+            .map_or(0, |before| self.file.ends[before]);
+        for corner in &self.file.corners[start as usize..self.file.ends[face] as usize] {
+            let vertex = *self.known.entry(*corner).or_insert_with(|| {
+                self.vertices.push(*corner);
+                self.vertices.len() as u32 - 1
+            });
+            self.corners.push(vertex);
+        }
+        self.ends.push(self.corners.len());
+    }
+
+    fn into_mesh(self, triangulator: &mut Triangulator) -> Mesh {
+        let Self {
+            file,
+            vertices,
+            corners,
+            ends,
+            ..
+        } = self;
+        let positions = vertices.iter().map(|[v, ..]| file.positions[*v as usize]);
+        let mut mesh = Mesh {
+            positions: positions.collect(),
+            uvs: attribute(&vertices, 1, &file.uvs, DVec2::NAN),
+            normals: attribute(&vertices, 2, &file.normals, DVec3::ZERO),
+            ..Mesh::default()
+        };
+        if !file.colors.is_empty() {
+            let colors = vertices.iter().map(|[v, ..]| file.colors[*v as usize]);
+            mesh.colors = vertex_colors::unless_white(colors.collect());
+        }
+        let mut start = 0;
+        for end in ends {
+            triangulator.add(&corners[start..end], &mesh.positions, &mut mesh.triangles);
+            start = end;
+        }
+        mesh
+    }
+}
+
+/// What `vertices` have of `all` by the index `which`, `missing` where they have none; empty where none has any.
+fn attribute<T: Copy>(vertices: &[[u32; 3]], which: usize, all: &[T], missing: T) -> Vec<T> {
+    if vertices.iter().all(|vertex| vertex[which] == NONE) {
+        return Vec::new();
+    }
+    let of_vertex = |vertex: &[u32; 3]| match vertex[which] {
+        NONE => missing,
+        index => all[index as usize],
+    };
+    vertices.iter().map(of_vertex).collect()
 }

@@ -1,16 +1,39 @@
-//! Stanford PLY: ascii, binary little and big endian. Positions, normals, texture coordinates and faces are read.
+//! Stanford PLY: ascii, binary little and big endian. Positions, normals, texture coordinates, vertex colours, faces and
+//! triangle strips are read.
+
+mod clean;
+mod elements;
 
 use super::files;
+use super::text;
 use crate::error::InputError;
 use crate::scene::Mesh;
-use glam::{DVec2, DVec3};
+use elements::{Elements, Skipped};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
-use ply_rs_bw::ply::{
-    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
-    ScalarType,
-};
-use std::io::Cursor;
+use ply_rs_bw::ply::{ElementDef, Encoding, Header, PropertyAccess, PropertyType, ScalarType};
+use std::borrow::Cow;
+use std::io::{BufRead, Read};
 use std::path::Path;
+
+/// The element of triangle strips.
+const STRIPS: &str = "tristrips";
+
+/// What an element may say about what is seen, beside what is read; where there, it is named in a warning.
+const NOT_READ: [(&str, &[&str]); 3] = [
+    (
+        "face",
+        &[
+            "texcoord",
+            "texnumber",
+            "red",
+            "diffuse_red",
+            "material_index",
+            "material_indices",
+        ],
+    ),
+    ("vertex", &["material_index", "ambient_red", "specular_red"]),
+    ("edge", &["vertex1"]),
+];
 
 /// What a message goes on with after the line that is wrong: the same line again, or the state of the grammar's parser.
 const NOISE: [&str; 3] = [
@@ -19,9 +42,11 @@ const NOISE: [&str; 3] = [
     "\n\tError: error at ",
 ];
 
-/// Reads a PLY file; polygons become fans of triangles.
-pub(super) fn read(path: &Path) -> Result<Mesh, InputError> {
+/// Reads a PLY file; what it holds besides goes to `warnings`.
+pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Mesh, InputError> {
     let bytes = files::read(path)?;
+    let bytes = text_as_utf8(&bytes);
+    let clean::Header { text, end } = clean::header(&bytes);
     let failed = |e: ParseError| {
         let message = e.to_string();
         let end = NOISE.iter().filter_map(|noise| message.find(noise)).min();
@@ -29,45 +54,52 @@ pub(super) fn read(path: &Path) -> Result<Mesh, InputError> {
         let message = message.replace("\n\t", " ").replace('\n', " ");
         InputError::file(path, format!("is not a readable PLY file: {message}"), "")
     };
-    let size = bytes.len();
-    let mut reader = Reader::new(Cursor::new(bytes));
     let header = Parser::<Skipped>::new()
+        .read_header(&mut Reader::new(text.as_bytes()))
+        .map_err(failed)?;
+    check_header(path, &header, bytes.len())?;
+    let data = match header.encoding {
+        Encoding::Ascii => Cow::Owned(clean::data(&bytes[end..]).into_bytes()),
+        _ => Cow::Borrowed(&bytes[end..]),
+    };
+    // Behind the header, so that messages count its lines.
+    let mut reader = Reader::new(text.as_bytes().chain(&*data));
+    Parser::<Skipped>::new()
         .read_header(&mut reader)
         .map_err(failed)?;
-    check_header(path, &header, size)?;
-    let (mut vertices, mut faces) = (Vec::new(), Vec::new());
+    let mut elements = Elements::default();
     for element in header.elements.values() {
+        let reader = &mut reader;
         match element.name.as_str() {
-            "vertex" => {
-                vertices = Parser::<Vertex>::new()
-                    .read_payload_for_element(&mut reader, element, &header)
-                    .map_err(failed)?;
-            }
-            "face" => {
-                faces = Parser::<Face>::new()
-                    .read_payload_for_element(&mut reader, element, &header)
-                    .map_err(failed)?;
-            }
+            "vertex" => elements.vertices = payload(reader, element, &header).map_err(failed)?,
+            "face" => elements.faces = payload(reader, element, &header).map_err(failed)?,
+            STRIPS => elements.strips = payload(reader, element, &header).map_err(failed)?,
             _ => {
-                Parser::<Skipped>::new()
-                    .read_payload_for_element(&mut reader, element, &header)
-                    .map_err(failed)?;
+                let _: Vec<Skipped> = payload(reader, element, &header).map_err(failed)?;
             }
         }
     }
-    // What the file does not have is NaN in the first vertex as in all.
-    let first = vertices.first();
-    let normals = first.is_some_and(|v: &Vertex| !v.normal.is_nan());
-    let uvs = first.is_some_and(|v| !v.uv.is_nan());
-    let all = |has: bool| vertices.iter().filter(move |_| has);
-    Ok(Mesh {
-        triangles: triangulate(path, &faces, vertices.len())?,
-        positions: vertices.iter().map(|v| v.position).collect(),
-        normals: all(normals).map(|v| v.normal).collect(),
-        // The file's v points up.
-        uvs: all(uvs).map(|v| DVec2::new(v.uv.x, 1.0 - v.uv.y)).collect(),
-        colors: Vec::new(),
-    })
+    warn_of_header(path, &header, warnings);
+    elements.mesh(path, warnings)
+}
+
+/// A UTF-16 file in UTF-8, without byte order mark; others as they are.
+fn text_as_utf8(bytes: &[u8]) -> Cow<'_, [u8]> {
+    match bytes {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => {
+            Cow::Owned(text::decode(bytes).into_owned().into_bytes())
+        }
+        [0xef, 0xbb, 0xbf, rest @ ..] => Cow::Borrowed(rest),
+        _ => Cow::Borrowed(bytes),
+    }
+}
+
+fn payload<E: PropertyAccess>(
+    reader: &mut Reader<impl BufRead>,
+    element: &ElementDef,
+    header: &Header,
+) -> Result<Vec<E>, ParseError> {
+    Parser::new().read_payload_for_element(reader, element, header)
 }
 
 /// Refuses files without positions or faces, and counts that the file is too short for: the parser would believe them.
@@ -88,7 +120,8 @@ fn check_header(path: &Path, header: &Header, size: usize) -> Result<(), InputEr
             ));
         }
     }
-    if !property("face", &["vertex_indices", "vertex_index"]) {
+    let has_list = |element| property(element, &["vertex_indices", "vertex_index"]);
+    if !has_list("face") && !has_list(STRIPS) {
         return Err(InputError::new(
             path,
             "element face",
@@ -133,108 +166,24 @@ fn least_bytes(element: &ElementDef, encoding: Encoding) -> usize {
     sum.max(1)
 }
 
-fn triangulate(path: &Path, faces: &[Face], vertices: usize) -> Result<Vec<[u32; 3]>, InputError> {
-    let mut triangles = Vec::with_capacity(faces.len());
-    for (number, face) in faces.iter().enumerate() {
-        for &index in &face.0 {
-            if usize::try_from(index).map_or(true, |i| i >= vertices) {
-                return Err(InputError::new(
-                    path,
-                    format!("face {number}"),
-                    format!("vertex index {index} is out of range"),
-                    format!(
-                        "0 to {} (there are {vertices} vertices)",
-                        vertices.saturating_sub(1)
-                    ),
-                ));
-            }
-        }
-        // The check above makes every index a u32: a file of 2³² vertices would not fit its reader.
-        let corner = |i: usize| face.0[i] as u32;
-        for i in 2..face.0.len() {
-            triangles.push([corner(0), corner(i - 1), corner(i)]);
-        }
+/// Warns of what a file says about its looks and direkt does not show.
+fn warn_of_header(path: &Path, header: &Header, warnings: &mut Vec<String>) {
+    let has = |element: &str, property: &str| {
+        let element = header.elements.get(element).filter(|e| e.count > 0);
+        element.is_some_and(|e| e.properties.contains_key(property))
+    };
+    let mut found = Vec::new();
+    for (element, properties) in NOT_READ {
+        let properties = properties.iter().filter(|p| has(element, p));
+        found.extend(properties.map(|p| format!("{element}.{p}")));
     }
-    Ok(triangles)
-}
-
-/// A vertex; NaN where the file says nothing.
-struct Vertex {
-    position: DVec3,
-    normal: DVec3,
-    uv: DVec2,
-}
-
-impl PropertyAccess for Vertex {
-    fn new() -> Self {
-        Self {
-            position: DVec3::NAN,
-            normal: DVec3::NAN,
-            uv: DVec2::NAN,
-        }
+    let of_color = elements::COLOR_NAMES.map(|names| names.iter().any(|n| has("vertex", n)));
+    let [red, green, blue, _] = of_color;
+    if (red || green || blue) && !(red && green && blue) {
+        found.push("a vertex colour without all of red, green and blue".to_owned());
     }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        let axis = match name {
-            "x" => &mut self.position.x,
-            "y" => &mut self.position.y,
-            "z" => &mut self.position.z,
-            "nx" => &mut self.normal.x,
-            "ny" => &mut self.normal.y,
-            "nz" => &mut self.normal.z,
-            "u" | "s" | "texture_u" => &mut self.uv.x,
-            "v" | "t" | "texture_v" => &mut self.uv.y,
-            _ => return PropertyAccessResult::Ignored,
-        };
-        *axis = match property {
-            Property::Char(v) => v.into(),
-            Property::UChar(v) => v.into(),
-            Property::Short(v) => v.into(),
-            Property::UShort(v) => v.into(),
-            Property::Int(v) => v.into(),
-            Property::UInt(v) => v.into(),
-            Property::Float(v) => v.into(),
-            Property::Double(v) => v,
-            _ => return PropertyAccessResult::UnsupportedType,
-        };
-        PropertyAccessResult::Set
-    }
-}
-
-/// A polygon: its vertex indices, not yet checked.
-struct Face(Vec<i64>);
-
-fn is_index_list(name: &str) -> bool {
-    name == "vertex_indices" || name == "vertex_index"
-}
-
-impl PropertyAccess for Face {
-    fn new() -> Self {
-        Self(Vec::new())
-    }
-
-    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
-        if !is_index_list(name) {
-            return PropertyAccessResult::Ignored;
-        }
-        self.0 = match property {
-            Property::ListChar(v) => v.into_iter().map(i64::from).collect(),
-            Property::ListUChar(v) => v.into_iter().map(i64::from).collect(),
-            Property::ListShort(v) => v.into_iter().map(i64::from).collect(),
-            Property::ListUShort(v) => v.into_iter().map(i64::from).collect(),
-            Property::ListInt(v) => v.into_iter().map(i64::from).collect(),
-            Property::ListUInt(v) => v.into_iter().map(i64::from).collect(),
-            _ => return PropertyAccessResult::UnsupportedType,
-        };
-        PropertyAccessResult::Set
-    }
-}
-
-/// An element that is read past; it takes no memory.
-struct Skipped;
-
-impl PropertyAccess for Skipped {
-    fn new() -> Self {
-        Self
+    if !found.is_empty() {
+        let found = found.join(", ");
+        warnings.push(format!("{}: not read: {found}", path.display()));
     }
 }

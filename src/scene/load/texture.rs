@@ -271,7 +271,7 @@ fn texels(
 }
 
 /// Linear value of an encoded one (IEC 61966-2-1).
-fn srgb(encoded: f64) -> f64 {
+pub(super) fn srgb(encoded: f64) -> f64 {
     if encoded <= 0.040_45 {
         encoded / 12.92
     } else {
@@ -279,8 +279,7 @@ fn srgb(encoded: f64) -> f64 {
     }
 }
 
-/// What varies nothing becomes a factor: textures of one value, normal maps that are flat, and masks that stop all rays or
-/// none.
+/// What varies nothing becomes a factor: textures of one value and normal maps that are flat.
 pub(super) fn fold_constant(materials: &mut [Material], textures: &[Texture]) {
     for material in materials {
         let maps = &mut material.textures;
@@ -302,9 +301,6 @@ pub(super) fn fold_constant(materials: &mut [Material], textures: &[Texture]) {
         if constant(&normal).is_some_and(flat) {
             maps.normal = None;
         }
-        let opacity = &mut material.opacity;
-        let alphas = |t: TextureUse| textures[t.texture.index()].alpha_range();
-        *opacity = opacity.folded(opacity.texture.map_or([1.0; 2], alphas));
     }
 }
 

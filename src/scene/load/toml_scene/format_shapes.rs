@@ -14,9 +14,10 @@ pub(super) struct ShapeTable {
     pub(super) kind: ShapeKind,
     /// A name for messages.
     pub(super) name: Option<String>,
-    /// Name of its material; left out, a grey Lambert material of reflectance 0.5.
+    /// Name of its material; left out, those of an OBJ file's material libraries, else a grey Lambert material of
+    /// reflectance 0.5.
     pub(super) material: Option<String>,
-    /// What it emits.
+    /// What it emits, instead of what an OBJ file's material libraries say.
     pub(super) emission: Option<EmissionTable>,
     /// Steps that place it, the first listed is applied first.
     #[serde(default)]
@@ -103,6 +104,22 @@ fn z_axis() -> [f64; 3] {
 pub(super) struct MeshTable {
     /// A .ply, .obj, .gltf or .glb file; of glTF, the geometry of its default scene.
     pub(super) file: String,
+    /// What its vertex colours are, factors on the reflectance; linear when left out.
+    #[serde(default)]
+    pub(super) vertex_colors: VertexColors,
+}
+
+/// The meaning of a file's vertex colours.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum VertexColors {
+    /// Linear factors: 8 bits stand for n/255.
+    #[default]
+    Linear,
+    /// Encoded as sRGB.
+    Srgb,
+    /// Nothing: they are left out.
+    Ignore,
 }
 
 /// What a surface emits, the same in all directions.

@@ -10,6 +10,7 @@ mod format_shapes;
 mod format_textures;
 mod lights;
 mod materials;
+mod meshes;
 mod parse;
 mod shapes;
 mod textures;

@@ -1,9 +1,8 @@
 //! The `[[shapes]]` tables.
 
 use super::build::{Context, direction, placement};
-use super::format_shapes::{
-    BoxTable, EmissionTable, MeshTable, RectangleTable, ShapeKind, ShapeTable,
-};
+use super::format_shapes::{BoxTable, EmissionTable, RectangleTable, ShapeKind, ShapeTable};
+use super::meshes::{self, Surfaces};
 use super::textures::texture_use;
 use crate::error::InputError;
 use crate::scene::load::mesh;
@@ -14,8 +13,27 @@ use crate::scene::{
 };
 use glam::DVec3;
 
-/// Geometry in the shape's own space, and what to add to its name.
-type Part = (String, Geometry);
+/// A part of a shape, in the shape's own space.
+pub(super) struct Part {
+    /// What to add to the shape's name.
+    pub(super) name: String,
+    pub(super) geometry: Geometry,
+    /// What its file says, where the scene file does not.
+    pub(super) material: Option<MaterialId>,
+    pub(super) emission: Option<Emission>,
+}
+
+impl Part {
+    /// A part that is like the shape.
+    pub(super) fn new(name: String, geometry: Geometry) -> Self {
+        Self {
+            name,
+            geometry,
+            material: None,
+            emission: None,
+        }
+    }
+}
 
 /// The shapes of the scene file. A default material is added to `materials` when one is needed.
 pub(super) fn all(
@@ -28,10 +46,9 @@ pub(super) fn all(
     let mut shapes = Vec::new();
     for (index, table) in tables.into_iter().enumerate() {
         let field = format!("shapes[{index}]");
-        let material = match &table.material {
-            Some(name) => named_material(context, name, &field)?,
-            None => *default_material.get_or_insert_with(|| add_default(materials)),
-        };
+        let named = table.material.as_ref();
+        let named = named.map(|name| named_material(context, name, &field));
+        let named = named.transpose()?;
         let emission = table
             .emission
             .as_ref()
@@ -45,8 +62,17 @@ pub(super) fn all(
             None => field.clone(),
         };
         let mut dropped = 0;
-        for (part, geometry) in parts(context, &table.kind, &field)? {
-            let mut geometry = transform::apply(&to_world, geometry).map_err(|problem| {
+        let mut surfaces = Surfaces {
+            materials: &mut *materials,
+            textures: &mut *textures,
+            by_file: named.is_none(),
+        };
+        for part in parts(context, &table.kind, &field, &mut surfaces)? {
+            let material = named.or(part.material);
+            let material = material
+                .unwrap_or_else(|| *default_material.get_or_insert_with(|| add_default(materials)));
+            let emission = emission.or(part.emission);
+            let mut geometry = transform::apply(&to_world, part.geometry).map_err(|problem| {
                 let (problem, expected) = problem.describe();
                 context.error(format!("{field}.transform"), problem, expected)
             })?;
@@ -61,7 +87,7 @@ pub(super) fn all(
                 context.light_groups.add_shape(ShapeId(id), group);
             }
             shapes.push(Shape {
-                name: format!("{name}{part}"),
+                name: format!("{name}{}", part.name),
                 geometry,
                 material,
                 emission,
@@ -142,8 +168,13 @@ fn add_default(materials: &mut Vec<Material>) -> MaterialId {
     id
 }
 
-fn parts(context: &mut Context, kind: &ShapeKind, field: &str) -> Result<Vec<Part>, InputError> {
-    let single = |geometry| vec![(String::new(), geometry)];
+fn parts(
+    context: &mut Context,
+    kind: &ShapeKind,
+    field: &str,
+    surfaces: &mut Surfaces,
+) -> Result<Vec<Part>, InputError> {
+    let single = |geometry| vec![Part::new(String::new(), geometry)];
     match kind {
         ShapeKind::Rectangle(table) => rectangle(context, table, field).map(single),
         ShapeKind::Box(table) => box_faces(context, table, field),
@@ -161,7 +192,7 @@ fn parts(context: &mut Context, kind: &ShapeKind, field: &str) -> Result<Vec<Par
                 v: v * radius,
             }))
         }
-        ShapeKind::Mesh(table) => mesh_parts(context, table, field),
+        ShapeKind::Mesh(table) => meshes::parts(context, table, field, surfaces),
     }
 }
 
@@ -243,30 +274,7 @@ fn box_faces(context: &Context, table: &BoxTable, field: &str) -> Result<Vec<Par
         .into_iter()
         .map(|(face, corner, u, v)| {
             let name = format!(" (box face {face})");
-            (name, Geometry::Rectangle { corner, u, v })
-        })
-        .collect())
-}
-
-fn mesh_parts(
-    context: &mut Context,
-    table: &MeshTable,
-    field: &str,
-) -> Result<Vec<Part>, InputError> {
-    let file_field = format!("{field}.file");
-    let file = context
-        .folders
-        .resolve(&table.file, context.path, &file_field)?;
-    let meshes = mesh::read(&file, context.folders, &mut context.warnings)?;
-    Ok(meshes
-        .into_iter()
-        .map(|m| {
-            let name = if m.name.is_empty() {
-                m.name
-            } else {
-                format!(": {}", m.name)
-            };
-            (name, Geometry::Mesh(m.mesh))
+            Part::new(name, Geometry::Rectangle { corner, u, v })
         })
         .collect())
 }
