@@ -88,7 +88,6 @@
 //!
 //! - AOVs with rays of their own upload the scene a second time.
 //! - Glass passes no shadow rays, so that its shadows are black; transmission is smooth, and bodies do not absorb.
-//! - Vertex colours are read past, with a warning each.
 //! - Lights with an opacity are chosen as often as opaque ones.
 //! - The BVH's boxes lie on one 16-bit grid over the scene: where detail is finer than 1/65,535 of the scene's size,
 //!   boxes are looser than they need be.

@@ -58,7 +58,9 @@ fn places(path: &Path) -> Vec<PathBuf> {
     let mut places = Vec::new();
     // Beside a device is no place for files.
     if matches!(Destination::of(path), Ok(Destination::File(_)) | Err(_)) {
-        let own = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let own = path
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty());
         places.extend(own.map(Path::to_path_buf));
     }
     places.extend(std::env::current_dir());

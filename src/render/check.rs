@@ -295,7 +295,10 @@ mod tests {
         // At 15 degrees of freedom and six values the bound is 6.211 standard errors.
         assert!(check(&film, &expect(at(1.062), 0.0)).passed);
         assert!(!check(&film, &expect(at(1.0623), 0.0)).passed);
-        assert!(check(&film, &mean(1.0, 0.0)).passed, "the mean has them all");
+        assert!(
+            check(&film, &mean(1.0, 0.0)).passed,
+            "the mean has them all"
+        );
     }
 
     #[test]

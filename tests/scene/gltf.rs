@@ -268,7 +268,6 @@ fn what_is_left_out_is_said_once() {
         [
             "scene.gltf: occlusionTexture of 1 material is ignored, shadow rays are traced instead",
             "scene.gltf: textures of 1 primitive have no texture coordinates: their factors are used",
-            "scene.gltf: vertex colours of 1 primitive are not supported and ignored",
             "scene.gltf: points and lines of 1 primitive are not rendered",
             "scene.gltf: 1 animation is ignored: the scene is rendered as it stands",
             "scene.gltf: only the default one of 2 scenes is rendered",

@@ -24,3 +24,4 @@ mod repository;
 mod shadow_rays;
 mod textures;
 mod toml;
+mod vertex_colors;

@@ -1,13 +1,13 @@
-//! `shaders/scene/attributes.wesl`: vertex normals and texture coordinates.
+//! `shaders/scene/attributes.wesl`: vertex normals, texture coordinates and vertex colours.
 
 use crate::support::context;
 use crate::support::random::Random;
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, call, words};
 use direkt::reference::scene::attributes::{
-    interpolate_normal, map_normal, seen_normal, terminator_offset,
+    interpolate_color, interpolate_normal, map_normal, seen_normal, terminator_offset,
 };
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 /// A triangle with vertex normals and texture coordinates, a point of it, a value of a normal map and a view.
 struct Case {
@@ -18,6 +18,7 @@ struct Case {
     uvs: [DVec2; 3],
     mapped: DVec3,
     wo: DVec3,
+    colors: [DVec4; 3],
 }
 
 fn cases() -> Vec<Case> {
@@ -38,6 +39,11 @@ fn cases() -> Vec<Case> {
         let t = random.between(0.0, 1.0 - s);
         let mapped = random.in_cube() * DVec3::new(1.0, 1.0, 0.5) + 0.5 * DVec3::Z;
         let wo = random.direction();
+        let mut color = || {
+            let [x, y, z, w] = [0; 4].map(|_| random.between(0.0, 1.0));
+            DVec4::new(x, y, z, w).as_vec4().as_dvec4()
+        };
+        let colors = [color(), color(), color()];
         let rounded = |v: DVec3| v.as_vec3().as_dvec3();
         cases.push(Case {
             normals: normals.map(rounded),
@@ -51,6 +57,7 @@ fn cases() -> Vec<Case> {
             } else {
                 rounded(wo)
             },
+            colors,
         });
     }
     cases
@@ -60,7 +67,8 @@ fn answers(cases: &[Case]) -> Answers {
     let context = context();
     let function = Function {
         imports: "import package::scene::attributes::{
-                      VertexNormals, VertexUvs, interpolate_normal, map_normal, seen_normal, terminator_offset
+                      VertexColors, VertexNormals, VertexUvs, interpolate_color, interpolate_normal, map_normal,
+                      seen_normal, terminator_offset
                   };",
         body: "let n = VertexNormals(in_vec3f(0u), in_vec3f(3u), in_vec3f(6u));
                let st = in_vec2f(9u);
@@ -72,9 +80,14 @@ fn answers(cases: &[Case]) -> Answers {
                out_vec3f(3u, terminator_offset(n, st, u, v, 1.0));
                out_vec3f(6u, terminator_offset(n, st, u, v, -1.0));
                out_vec3f(9u, map_normal(in_vec3f(23u), uvs, u, v, n.a));
-               out_vec3f(12u, seen_normal(n.a, in_vec3f(26u)));",
-        inputs: 29,
-        outputs: 15,
+               out_vec3f(12u, seen_normal(n.a, in_vec3f(26u)));
+               let colors = VertexColors(
+                   vec4f(in_vec3f(29u), in_f32(32u)), vec4f(in_vec3f(33u), in_f32(36u)), vec4f(in_vec3f(37u), in_f32(40u)));
+               let color = interpolate_color(colors, st);
+               out_vec3f(15u, color.xyz);
+               out_f32(18u, color.w);",
+        inputs: 41,
+        outputs: 19,
         features: &["SMOOTH_NORMALS", "NORMAL_MAP"],
     };
     let numbers: Vec<f64> = cases
@@ -85,6 +98,7 @@ fn answers(cases: &[Case]) -> Answers {
             item.extend([c.u.to_array(), c.v.to_array()].concat());
             item.extend(c.uvs.iter().flat_map(|p| p.to_array()));
             item.extend([c.mapped.to_array(), c.wo.to_array()].concat());
+            item.extend(c.colors.iter().flat_map(|p| p.to_array()));
             item
         })
         .collect();
@@ -112,6 +126,19 @@ fn normals_and_offsets_are_the_twins() {
             let off = got(word).distance(expected);
             assert!(off < 32.0 * U * size, "{off:e} of {size}");
         }
+    }
+}
+
+/// A sum of five numbers up to 1.
+#[test]
+fn colours_are_the_twins() {
+    let cases = cases();
+    let answers = answers(&cases);
+    let found = answers.vec3(15).zip(answers.f64(18));
+    for (c, (rgb, alpha)) in cases.iter().zip(found) {
+        let expected = interpolate_color(&c.colors, c.st);
+        let off = (rgb.extend(alpha) - expected).abs().max_element();
+        assert!(off < 8.0 * U, "{off:e}");
     }
 }
 

@@ -5,7 +5,7 @@ use super::prepared;
 use crate::support::random::{Random, rounded};
 use crate::support::shader::{Function, call, call_in, words};
 use crate::support::statistics::{accept, reject};
-use crate::support::{context, scene};
+use crate::support::{context, scene, shape};
 use direkt::gpu::layout::NONE;
 use direkt::reference::Twin;
 use direkt::reference::core::ray::{Hit, Ray};
@@ -16,8 +16,9 @@ use direkt::reference::scene::opacity::{
 };
 use direkt::reference::scene::trace::{any_hit, closest_hit, stop_at_primitive};
 use direkt::render::Prepared;
+use direkt::scene::{Geometry, Mesh};
 use direkt::stats::z_test::z_test;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;
 
 /// Samples of every frequency.
@@ -35,9 +36,32 @@ fn leaves() -> Prepared {
     prepared(scene("scenes/leaves.toml"))
 }
 
-/// A veil over a 2 × 2 texture, smooth between its texels.
+/// A veil over a 2 × 2 texture, smooth between its texels, and triangles of it with vertex colours.
 fn textured() -> Prepared {
     let mut scene = scene("scenes/tests/opacity_texture.toml");
+    let mut random = Random::new(69);
+    let mut colors = |count: usize| -> Vec<Vec4> {
+        let mut color = || [0; 4].map(|_| random.between(0.0, 1.0) as f32);
+        (0..count).map(|_| Vec4::from_array(color())).collect()
+    };
+    for (uvs, normals) in [(true, true), (true, false), (false, true), (false, false)] {
+        let mut triangle = shape(
+            "triangle",
+            Geometry::Mesh(Mesh {
+                positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+                triangles: vec![[0, 1, 2]],
+                normals: vec![DVec3::new(0.3, 0.1, 1.0); if normals { 3 } else { 0 }],
+                uvs: if uvs {
+                    vec![DVec2::ZERO, DVec2::X, DVec2::Y]
+                } else {
+                    vec![]
+                },
+                colors: colors(3),
+            }),
+        );
+        triangle.material = scene.shapes[0].material;
+        scene.shapes.push(triangle);
+    }
     let texture = scene
         .materials
         .iter_mut()

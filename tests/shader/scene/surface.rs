@@ -1,10 +1,11 @@
 //! `shaders/scene/surface.wesl`: points of every kind of primitive, seen from both sides.
 
 use super::every;
-use crate::support::context;
-use crate::support::random::{direction, numbers, rounded};
+use crate::support::every_kind::{constant_environment, every_kind};
+use crate::support::random::{Random, direction, numbers, rounded};
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in, words};
+use crate::support::{context, shape};
 use direkt::accel::PrimitiveGeometry;
 use direkt::gpu::layout::NONE;
 use direkt::reference::core::frame::{frame_from_normal, to_world};
@@ -15,7 +16,9 @@ use direkt::reference::light::sphere::sample_sphere_area;
 use direkt::reference::light::triangle::sample_triangle_area;
 use direkt::reference::scene::fetch::World;
 use direkt::reference::scene::surface::{OFFSET, surface_at};
-use glam::{DVec2, DVec3};
+use direkt::scene::material::Fresnel;
+use direkt::scene::{Geometry, MaterialId, Mesh, Shape};
+use glam::{DVec2, DVec3, Vec4};
 use std::f64::consts::TAU;
 
 /// A view of a point of a primitive.
@@ -198,6 +201,86 @@ fn surfaces_are_the_twins_on_both_sides() {
             "{what}"
         );
     }
+}
+
+/// Every kind of material on triangles with vertex colours: what of it is a colour is multiplied by theirs.
+#[test]
+fn vertex_colours_are_factors_on_materials() {
+    let context = context();
+    let mut scene = every_kind(constant_environment());
+    let mut random = Random::new(68);
+    let first = scene.shapes.len();
+    for material in 0..scene.materials.len() as u32 {
+        let mut color = || [0; 4].map(|_| random.between(0.0, 1.0) as f32);
+        let colors = [color(), color(), color()].map(Vec4::from_array);
+        let mesh = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            triangles: vec![[0, 1, 2]],
+            colors: colors.to_vec(),
+            ..Mesh::default()
+        };
+        scene.shapes.push(Shape {
+            material: MaterialId(material),
+            ..shape("colored", Geometry::Mesh(mesh))
+        });
+    }
+    let prepared = super::prepared(scene);
+    let world = World::new(&prepared);
+    let function = Function {
+        imports: "import package::core::ray::{Hit, Ray};
+                  import package::scene::surface::surface_at;",
+        body: "let s = surface_at(
+                   Ray(in_vec3f(0u), in_vec3f(3u)), Hit(in_f32(6u), in_u32(7u), in_vec2f(8u)), in_vec3f(10u));
+               out_vec3f(0u, s.material.diffuse); out_vec3f(3u, s.material.f0); out_vec3f(6u, s.material.transmittance);
+               out_f32(9u, s.material.alpha);",
+        inputs: 13,
+        outputs: 10,
+        features: &[],
+    };
+    let colored = (0..).zip(&prepared.primitives);
+    let colored = colored.filter(|(_, p)| p.shape.index() >= first);
+    let views: Vec<View> = colored
+        .flat_map(|(i, p)| (0..50).map(move |k| view(&p.geometry, i, k)))
+        .collect();
+    assert_eq!(views.len(), 50 * prepared.scene.materials.len());
+    let mut inputs = Vec::new();
+    for View { ray, hit, wo, .. } in &views {
+        inputs.extend(words(
+            &[ray.origin.to_array(), ray.direction.to_array()].concat(),
+        ));
+        inputs.extend(words(&[hit.t]));
+        inputs.push(hit.primitive);
+        inputs.extend(words(&[hit.st.x, hit.st.y, wo.x, wo.y, wo.z]));
+    }
+    let answers = call_in(&context, &prepared, &function, &inputs, views.len());
+    let mut varied = 0;
+    for (i, View { ray, hit, wo, .. }) in views.iter().enumerate() {
+        let vector = |word: usize| answers.vec3(word).nth(i).unwrap();
+        let material = surface_at(&world, ray, hit, *wo).material;
+        let own = world.primitives[hit.primitive as usize].material;
+        varied += usize::from(material != own);
+        let f0 = match material.specular.map(|lobe| lobe.fresnel) {
+            Some(Fresnel::Constant(f0) | Fresnel::Schlick { f0, .. }) => f0,
+            Some(Fresnel::Conductor { eta, .. }) => eta,
+            _ => DVec3::ZERO,
+        };
+        let transmittance = material
+            .transmission
+            .map_or(DVec3::ZERO, |t| t.transmittance);
+        let alpha = material.specular.map_or(0.0, |lobe| lobe.alpha);
+        let what = format!("{} from {wo}", world.name_of(hit.primitive as usize));
+        for (word, expected) in [(0, material.diffuse), (3, f0), (6, transmittance)] {
+            let off = (vector(word) - expected).abs().max_element();
+            assert!(
+                off < 16.0 * U * expected.max_element().max(1.0),
+                "{what}: {word}, {off:e}"
+            );
+        }
+        let off = answers.f64(9).nth(i).unwrap() - alpha;
+        assert!(off.abs() < 8.0 * U, "{what}: {off:e}");
+    }
+    // All but the metal that is given by its index.
+    assert_eq!(varied, 50 * (prepared.scene.materials.len() - 1));
 }
 
 /// Views alternate between front and back.

@@ -4,7 +4,7 @@ mod sparse;
 
 use super::document::{Document, slice};
 use crate::error::InputError;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec4};
 use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::validation::Checked;
 use std::borrow::Cow;
@@ -66,6 +66,40 @@ pub(super) fn joints(
     elements.check_unsigned(document, index, "joints")?;
     let element = |i| std::array::from_fn(|c| elements.unsigned(i, c));
     Ok((0..elements.count).map(element).collect())
+}
+
+/// Vertex colours: `VEC3` or `VEC4` of float or of normalised unsigned integers, brought into [0, 1] (glTF 2.0, section
+/// 3.7.2.1). Alpha is 1 where there is none.
+pub(super) fn colors(
+    document: &Document,
+    index: usize,
+    field: &str,
+) -> Result<Vec<Vec4>, InputError> {
+    let accessor = document.get(&document.root.accessors, index, "accessor", || {
+        field.to_owned()
+    })?;
+    let (wanted, channels) = match accessor.type_ {
+        Checked::Valid(Type::Vec3) => (Type::Vec3, 3),
+        _ => (Type::Vec4, 4),
+    };
+    let elements = elements(document, index, field, wanted)?;
+    if elements.component != ComponentType::F32 && !elements.normalized {
+        let field = format!("accessors[{index}].normalized");
+        let expected = "true for colours that are not floats";
+        return Err(document.error(field, "is false", expected));
+    }
+    let color = |i| {
+        let mut color = [1.0; 4];
+        for (c, channel) in color.iter_mut().enumerate().take(channels) {
+            *channel = elements.number(i, c);
+            if !channel.is_finite() {
+                let problem = format!("element {i} of accessor {index} is not finite");
+                return Err(document.error(field, problem, "finite numbers"));
+            }
+        }
+        Ok(Vec4::from_array(color.map(|c| c.clamp(0.0, 1.0) as f32)))
+    };
+    (0..elements.count).map(color).collect()
 }
 
 /// In a list of corners: the strip or the fan ends here, and another begins.

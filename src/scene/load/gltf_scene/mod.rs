@@ -5,6 +5,7 @@
 
 mod accessors;
 mod cameras;
+mod colors;
 mod container;
 mod document;
 mod instances;

@@ -1,6 +1,7 @@
 //! Meshes: triangles of primitives, instanced by nodes.
 
 use super::accessors::{self, RESTART};
+use super::colors;
 use super::document::Document;
 use super::instances::{self, Place};
 use super::morph::{self, Weights};
@@ -281,7 +282,7 @@ fn triangles(
         positions,
         normals,
         uvs,
-        colors: Vec::new(),
+        colors: colors::of_primitive(document, primitive, &attributes, count)?,
     }))
 }
 

@@ -85,9 +85,9 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
         "are read with several TEXCOORD sets: all of a material are read with one",
     );
     add(
-        count(&|p| has(p, &|s| matches!(s, Semantic::Colors(_)))),
-        "vertex colours",
-        "are not supported and ignored",
+        count(&|p| has(p, &|s| matches!(s, Semantic::Colors(set) if *set > 0))),
+        "further vertex colours",
+        "are ignored: COLOR_0 alone is read",
     );
     add(
         count(&|p| is_of_triangles(p) && !has(p, &|s| *s == Semantic::Positions)),
