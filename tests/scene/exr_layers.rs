@@ -197,6 +197,15 @@ fn chromaticities_are_converted_with_a_message() {
 fn what_is_no_colour_is_refused_by_name() {
     let message = load(&one(&[("Z", 1.0), ("N.X", 1.0)]), "").expect_err("no colours");
     assert!(message.contains("its channels are N.X, Z"), "{message}");
+    // Half as many samples of chroma as texels along each side.
+    let mut subsampled = one(&[("Y", 0.5), ("RY", 0.0), ("BY", 0.0)]);
+    for name in [b"RY\0", b"BY\0"] {
+        let at = subsampled.windows(3).position(|w| w == name);
+        let sampling = at.expect("a channel") + 3 + 8;
+        subsampled[sampling..sampling + 8].copy_from_slice(&[2, 0, 0, 0, 2, 0, 0, 0]);
+    }
+    let message = load(&subsampled, "").expect_err("subsampled chroma");
+    assert!(message.contains("subsampled chroma"), "{message}");
     let folder = Folder::new();
     folder.write("map.hdr", b"#?RGBE\n\n-Y 1 +X 1\nabcd");
     folder.write(

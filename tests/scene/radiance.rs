@@ -186,6 +186,7 @@ fn primaries_are_converted_with_a_message() {
     );
     for usual in [
         "PRIMARIES=0.64 0.33 0.3 0.6 0.15 0.06 0.3127 0.329",
+        "PRIMARIES=0 0 0 0 0 0 0 0",
         "PRIMARIES=0.6400 0.3300 0.2900 0.6000 0.1500 0.0600 0.3333 0.3333",
     ] {
         check(usual, &lines(usual), |v| v);

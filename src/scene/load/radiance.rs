@@ -144,7 +144,9 @@ fn read_line(
                 InputError::new(file, key, format!("is `{value}`"), expected)
             })?;
             let point = |i: usize| DVec2::new(found[2 * i], found[2 * i + 1]);
-            colors.primaries = Some(Primaries {
+            // Some programs write zeros for what they do not know.
+            let known = found.iter().any(|n| *n != 0.0);
+            colors.primaries = known.then(|| Primaries {
                 red: point(0),
                 green: point(1),
                 blue: point(2),
