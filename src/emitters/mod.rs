@@ -96,14 +96,15 @@ impl Emitters {
             mut power,
             mut groups,
             maps,
-        } = Surfaces::new(scene, primitives);
+        } = Surfaces::new(scene, primitives, normalization.radius);
         // Suns stand together.
         let is_sun = |(_, light): &(usize, &Light)| matches!(light, Light::Sun { .. });
         let named = || scene.lights.iter().enumerate();
         let points = named().filter(|light| !is_sun(light));
         for (index, light) in points.chain(named().filter(is_sun)) {
             let light = normalized(light, normalization);
-            let of_light = light_power(&light, normalization.radius);
+            let of_light = light_power(&light, normalization.radius)
+                * part_that_arrives(position(&light), normalization.radius);
             if of_light > 0.0 {
                 power.push(of_light);
                 lights.push(match light {
@@ -206,7 +207,7 @@ struct Surfaces {
 }
 
 impl Surfaces {
-    fn new(scene: &Scene, primitives: &[Primitive]) -> Self {
+    fn new(scene: &Scene, primitives: &[Primitive], radius: f64) -> Self {
         let emission = |p: &Primitive| {
             let emission = scene.shapes[p.shape.index()].emission;
             emission.filter(|e| is_lit(e.radiance))
@@ -220,6 +221,11 @@ impl Surfaces {
         for (&(index, emission), varies) in lit.iter().zip(of_primitives(scene, emitting)) {
             let primitive = &primitives[index as usize];
             if surfaces.add(index, primitive, emission, varies) {
+                let (low, high) = primitive.geometry.bounds();
+                let nearest = DVec3::ZERO.clamp(low, high);
+                if let Some(power) = surfaces.power.last_mut() {
+                    *power *= part_that_arrives(Some(nearest), radius);
+                }
                 let group = scene.light_groups.of_shape(primitive.shape);
                 surfaces.groups.push(group);
             }
@@ -318,6 +324,28 @@ fn normalized(light: &Light, n: &Normalization) -> Light {
             outer_angle,
         },
         far @ (Light::Directional { .. } | Light::Sun { .. }) => far,
+    }
+}
+
+/// Distance from the centre, in radii of what is rendered, beyond which a light counts for what arrives.
+const FAR: f64 = 64.0;
+
+/// Part of a light's power that counts when lights are chosen: all of one that is near; of one that is far away, whose power
+/// may be that of the Sun, what falls on the sphere of `radius`, as with light from infinitely far. `nearest` is the light's
+/// point nearest to the centre; infinitely distant lights have none.
+fn part_that_arrives(nearest: Option<DVec3>, radius: f64) -> f64 {
+    let distance = nearest.map_or(0.0, DVec3::length);
+    if distance > FAR * radius {
+        (radius / distance).powi(2)
+    } else {
+        1.0
+    }
+}
+
+fn position(light: &Light) -> Option<DVec3> {
+    match *light {
+        Light::Point { position, .. } | Light::Spot { position, .. } => Some(position),
+        Light::Directional { .. } | Light::Sun { .. } => None,
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::accel::{self, Attributes, Bvh, Primitive};
 use crate::effects::{self, Effect, Effects};
 use crate::emitters::Emitters;
+use crate::scene::enlarge::enlarge;
 use crate::scene::normalize::Normalization;
 use crate::scene::refine::refine;
 use crate::scene::{LightSelection, Sampler, Scene, ShadowGrid, ShadowPattern, Strategy};
@@ -36,6 +37,7 @@ impl Prepared {
         let start = std::time::Instant::now();
         let normalization = Normalization::of(&scene);
         let extreme = normalization.is_extreme();
+        enlarge(&mut scene, &normalization);
         if extreme {
             refine(&mut scene, &normalization);
         }

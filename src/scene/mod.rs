@@ -8,6 +8,7 @@ pub mod aov;
 pub mod camera;
 mod choice;
 pub mod ellipsoid;
+pub mod enlarge;
 pub mod expect;
 pub mod filter;
 pub mod fresnel;

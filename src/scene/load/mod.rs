@@ -22,8 +22,9 @@ mod texture;
 mod toml_scene;
 mod transform;
 mod vertex_colors;
+mod warnings;
 
-use super::{Emission, Geometry, Scene, validate};
+use super::{Scene, validate};
 use crate::error::{Error, InputError, readable};
 use files::Folders;
 use std::collections::BTreeSet;
@@ -82,7 +83,7 @@ fn load_from(path: &Path, folders: &Folders) -> Result<Scene, Error> {
     texture::fold_constant(&mut scene.materials, &scene.textures);
     vertex_colors::fold_opacity(&mut scene);
     texture::fold_constant_emission(&mut scene.shapes, &scene.textures);
-    let mut warnings = general_warnings(&scene);
+    let mut warnings = warnings::general(&scene);
     scene.warnings.append(&mut warnings);
     for warning in &mut scene.warnings {
         *warning = readable(warning);
@@ -93,32 +94,4 @@ fn load_from(path: &Path, folders: &Folders) -> Result<Scene, Error> {
 /// The JSON Schema of the TOML scene format, for editors.
 pub fn schema() -> String {
     toml_scene::schema()
-}
-
-/// What is legal but probably not meant.
-fn general_warnings(scene: &Scene) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let emits = |e: &Option<Emission>| e.is_some_and(|e| e.radiance.max_element() > 0.0);
-    if scene.lights.is_empty()
-        && scene.environment.is_none()
-        && !scene.shapes.iter().any(|s| emits(&s.emission))
-    {
-        warnings.push("the scene has no light: the image will be black".to_owned());
-    }
-    let empty = scene
-        .shapes
-        .iter()
-        .filter(|s| matches!(&s.geometry, Geometry::Mesh(m) if m.triangles.is_empty()))
-        .count();
-    if empty > 0 {
-        warnings.push(format!(
-            "{empty} {} no triangle",
-            if empty == 1 {
-                "mesh has"
-            } else {
-                "meshes have"
-            }
-        ));
-    }
-    warnings
 }
