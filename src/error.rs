@@ -108,12 +108,12 @@ impl std::fmt::Display for InputError {
     }
 }
 
-/// `text`, which may quote a stranger's file, fit for a terminal: control characters are escaped, and of what is long the
-/// middle is left out.
+/// `text`, which may quote a stranger's file, fit for a terminal: control characters are escaped, numbers of many digits are written
+/// with a power of ten, and of what is long the middle is left out.
 pub(crate) fn readable(text: &str) -> String {
     const MAX_CHARS: usize = 400;
     let mut plain = String::with_capacity(text.len());
-    for c in text.chars() {
+    for c in with_powers_of_ten(text).chars() {
         if c.is_control() {
             plain.extend(c.escape_default());
         } else {
@@ -127,6 +127,39 @@ pub(crate) fn readable(text: &str) -> String {
     let head = plain.chars().take(MAX_CHARS * 3 / 4);
     let tail = plain.chars().skip(length - MAX_CHARS / 4);
     head.chain(" … ".chars()).chain(tail).collect()
+}
+
+/// `x` as people write it.
+pub(crate) fn number(x: f64) -> String {
+    with_powers_of_ten(&x.to_string())
+}
+
+/// `text` with `1e300` in place of a 1 and 300 zeros, which is how Rust writes that number. What is quoted stays.
+fn with_powers_of_ten(text: &str) -> String {
+    /// More digits than any number has that is written without need of a power.
+    const MANY: usize = 22;
+    let is_part = |c: char| c.is_ascii_digit() || c == '.';
+    let (mut out, mut rest, mut quoted) = (String::with_capacity(text.len()), text, false);
+    while let Some(first) = rest.chars().next() {
+        let end = rest.find(|c| !is_part(c)).unwrap_or(rest.len());
+        let (numeral, after) = rest.split_at(end);
+        let is_word = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+        let stands_alone = !is_word(out.chars().last()) && !is_word(after.chars().next());
+        match numeral.parse::<f64>() {
+            Ok(number) if end > MANY && !quoted && stands_alone => {
+                out += &format!("{number:e}");
+            }
+            _ if end > 0 => out += numeral,
+            _ => {
+                quoted ^= first == '`';
+                out.push(first);
+                rest = &rest[first.len_utf8()..];
+                continue;
+            }
+        }
+        rest = after;
+    }
+    out
 }
 
 impl std::error::Error for InputError {}
@@ -229,6 +262,28 @@ impl GpuError {
             | Self::Lost { .. }
             | Self::OutOfMemory { .. }
             | Self::Driver { .. } => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_many_digits_have_powers_of_ten() {
+        let (huge, tiny) = (1e300, -2.5e-30);
+        assert_eq!(readable(&format!("is {huge}")), "is 1e300");
+        assert_eq!(readable(&format!("({tiny}, {huge})")), "(-2.5e-30, 1e300)");
+        assert_eq!([number(-1e300), number(0.0)], ["-1e300", "0"]);
+        let kept = [
+            "is 0.1, 16777216 and 12345678901234567890".to_owned(),
+            format!("`{huge}.png` does not exist"),
+            format!("hash_{huge}"),
+            "1.2.3".to_owned() + &"4".repeat(30),
+        ];
+        for text in kept {
+            assert_eq!(readable(&text), text);
         }
     }
 }

@@ -7,7 +7,11 @@ mod compare;
 mod cost;
 mod explain;
 mod lab;
+mod layers;
 mod live;
+mod outputs;
+#[cfg(unix)]
+mod rough;
 mod shadow_rays;
 
 use assert_cmd::Command;
@@ -115,7 +119,7 @@ fn check_exr(path: &Path, report: &Value) {
         "B",
         "G",
         "R",
-        "samples",
+        "samples.X",
         "standard_error.B",
         "standard_error.G",
         "standard_error.R",

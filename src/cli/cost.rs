@@ -12,7 +12,7 @@ use crate::console::{print, say};
 use crate::cost::calibrate::{self, Calibration};
 use crate::cost::estimator::{self, Choices};
 use crate::cost::{Compiled, SceneCost, Settings, measure};
-use crate::error::Error;
+use crate::error::{Error, number};
 use crate::gpu::Context;
 use crate::report::{self, csv, machine::Machine};
 use crate::scene::{LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
@@ -173,7 +173,8 @@ impl Arguments {
         let target = self.target_error;
         if !(target > 0.0 && target.is_finite()) {
             return Err(Error::Usage(format!(
-                "--target-error {target}: a positive number such as 0.001 is needed"
+                "--target-error {}: a positive number such as 0.001 is needed",
+                number(target)
             )));
         }
         if self.reference.is_some() && self.scenes.scenes.len() > 1 {

@@ -1,7 +1,7 @@
 //! The files that a render writes.
 
 use super::plan::Plan;
-use crate::error::Error;
+use crate::error::{Error, number};
 use crate::image::exr::Channel;
 use crate::image::{ToneMapper, exr, extension, png};
 use crate::render::Film;
@@ -40,7 +40,7 @@ impl OutputArguments {
         if !self.exposure.is_finite() {
             return Err(Error::Usage(format!(
                 "--exposure {}: a finite number is needed",
-                self.exposure
+                number(self.exposure)
             )));
         }
         for path in &self.output {

@@ -144,22 +144,25 @@ fn refuse<T>(flag: &str, path: &Path, reason: &str) -> Result<T, Error> {
     Err(Error::Usage(format!("{flag} {path}: {reason}")))
 }
 
-/// How many outputs could not be written; the others are written all the same.
+/// What went wrong although the command went on, as the exit code that the worst of it calls for.
 #[derive(Debug, Default)]
-pub struct Failures(u32);
+pub struct Failures(u8);
 
 impl Failures {
-    /// Reports and counts the error of `result`, if it is one; whether it is none.
+    /// Reports the error of `result`, if it is one; whether it is none.
     pub fn note(&mut self, result: Result<(), Error>) -> bool {
         if let Err(error) = &result {
             say(format_args!("direkt: {error}"));
-            self.0 += 1;
+            self.0 = self.0.max(error.exit_code());
         }
         result.is_ok()
     }
 
     /// The exit code of a command that would have ended with `code`.
     pub fn exit_code(&self, code: ExitCode) -> ExitCode {
-        if self.0 > 0 { ExitCode::FAILURE } else { code }
+        match self.0 {
+            0 => code,
+            failed => ExitCode::from(failed),
+        }
     }
 }

@@ -11,7 +11,7 @@ use super::plan::{Failures, Plan};
 use super::settings::{AovArguments, EstimatorArguments, SceneArguments, warn};
 use super::{AdapterArgument, JsonArgument};
 use crate::console::say;
-use crate::error::{Error, GpuError};
+use crate::error::{Error, GpuError, number};
 use crate::gpu::{AdapterFacts, Context};
 use crate::image::layers;
 use crate::render::{
@@ -74,17 +74,20 @@ impl SettingsArguments {
         }
         if let Some(time) = self.time.filter(|t| !(*t > 0.0 && t.is_finite())) {
             return refuse(format!(
-                "--time {time:?}: a positive number of seconds is needed"
+                "--time {}: a positive number of seconds is needed",
+                number(time)
             ));
         }
         if let Some(error) = self.error.filter(|e| !(*e > 0.0 && e.is_finite())) {
             return refuse(format!(
-                "--error {error:?}: a positive number such as 0.01 is needed"
+                "--error {}: a positive number such as 0.01 is needed",
+                number(error)
             ));
         }
         if let Some(confidence) = self.confidence.filter(|c| !(*c > 0.0 && *c < 1.0)) {
             return refuse(format!(
-                "--confidence {confidence:?}: a probability such as 0.95 is needed, above 0 and below 1"
+                "--confidence {}: a probability such as 0.95 is needed, above 0 and below 1",
+                number(confidence)
             ));
         }
         let render = &mut scene.render;

@@ -5,8 +5,8 @@ use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-/// Bytes that are written as a probe: a full disk takes empty files.
-const PROBE: [u8; 4096] = [0; 4096];
+/// What is written as a probe: a full disk takes empty files.
+const PROBE: [u8; 1] = [0];
 
 /// What `path` denotes, if it can be written now. Temporary files that killed runs left in its folder are removed.
 ///

@@ -51,7 +51,7 @@ const ALWAYS: [&str; 7] = [
     "B",
     "G",
     "R",
-    "samples",
+    "samples.X",
     "standard_error.B",
     "standard_error.G",
     "standard_error.R",

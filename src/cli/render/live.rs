@@ -3,7 +3,7 @@
 use crate::cli::outputs::OutputArguments;
 use crate::cli::passes::duration;
 use crate::console::say;
-use crate::error::{Error, GpuError};
+use crate::error::{Error, GpuError, number};
 use crate::output;
 use crate::render::{Film, Session};
 use crate::scene::Scene;
@@ -59,7 +59,8 @@ impl<'a> Live<'a> {
     ) -> Result<Self, Error> {
         if let Some(seconds) = arguments.watch.filter(|s| !(*s > 0.0 && s.is_finite())) {
             return Err(Error::Usage(format!(
-                "--watch={seconds:?}: a positive number of seconds is needed"
+                "--watch={}: a positive number of seconds is needed",
+                number(seconds)
             )));
         }
         let viewer = arguments.tev.as_ref();
