@@ -62,6 +62,9 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         plan.folder("-o", folder, &[])?;
     }
     arguments.json.plan(&mut plan)?;
+    if let Some(folder) = &arguments.output {
+        plan.reserve(folder, "svg")?;
+    }
     let mut failures = Failures::default();
     let context = Context::new(arguments.adapter.adapter.as_deref())?;
     let to_stdout = !arguments.json.is_stdout();

@@ -19,6 +19,7 @@ mod settings;
 
 use crate::console::{self, say};
 use crate::error::Error;
+use crate::gpu::shader;
 use crate::output::{self, Destination};
 use clap::{Parser, Subcommand};
 use plan::Plan;
@@ -97,12 +98,12 @@ struct JsonArgument {
 }
 
 impl JsonArgument {
-    /// Adds the file to what the command is going to write.
+    /// Adds the file to what the command is going to write, and keeps shaders of the user's own from being written.
     fn plan(&self, plan: &mut Plan) -> Result<(), Error> {
-        match &self.json {
-            Some(path) if path.as_os_str() != STDOUT => plan.file("--json", path).map(|_| ()),
-            _ => Ok(()),
+        if let Some(path) = self.json.as_ref().filter(|p| p.as_os_str() != STDOUT) {
+            plan.file("--json", path)?;
         }
+        plan.spare(&shader::own_files(), "a shader that is read")
     }
 
     /// Writes `facts`, or saves them elsewhere.

@@ -20,7 +20,7 @@ pub struct OutputArguments {
     pub output: Vec<PathBuf>,
     /// Write radiance alone to .exr files, for programs that take no further layers
     #[arg(long, requires = "output", conflicts_with = "aovs")]
-    plain: bool,
+    pub plain: bool,
     /// Exposure of the PNG in stops
     #[arg(
         long,

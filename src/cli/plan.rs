@@ -67,6 +67,22 @@ impl Plan {
         Ok(())
     }
 
+    /// Keeps the other outputs from having names that end in `extension` in `folder`, where files of names not known yet are written.
+    ///
+    /// # Errors
+    /// One of them has such a name.
+    pub fn reserve(&self, folder: &Path, ending: &str) -> Result<(), Error> {
+        let folder = folder.canonicalize().ok();
+        let is_there = |output: &&Planned| output.identity.folder() == folder.as_deref();
+        let mut there = self.outputs.iter().filter(is_there);
+        match there.find(|output| extension(output.identity.path()) == ending) {
+            None => Ok(()),
+            Some(Planned { name, .. }) => Err(Error::Usage(format!(
+                "{name}: files that end in .{ending} are written there; name another"
+            ))),
+        }
+    }
+
     fn claim(&mut self, flag: &str, path: &Path) -> Result<(), Error> {
         let Some(identity) = Identity::of(path) else {
             return Ok(());

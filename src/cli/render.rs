@@ -123,9 +123,14 @@ impl Arguments {
             ));
         }
         if !self.outputs.output.is_empty() {
+            let reason = if self.outputs.plain {
+                "a plain EXR holds no AOVs"
+            } else {
+                "only an EXR holds AOVs, and no output is one"
+            };
+            let source = scene.source.display();
             say(format_args!(
-                "direkt: warning: {}: render.aovs: only an EXR with layers holds AOVs, and no output is one; they are left out",
-                scene.source.display()
+                "direkt: warning: {source}: render.aovs: {reason}; they are left out"
             ));
         }
         scene.render.aovs = Aovs::default();

@@ -148,6 +148,25 @@ fn embedded(dir: &Dir<'_>) -> Vec<(String, String)> {
 
 fn on_disk(folder: &Path) -> Result<Vec<(String, String)>, String> {
     let mut out = Vec::new();
+    for path in files_in(folder)? {
+        if let Some(name) = path.strip_prefix(folder).ok().and_then(module_name) {
+            let text = std::fs::read_to_string(&path)
+                .map_err(|e| format!("{SHADERS_VARIABLE}: {}: {e}", path.display()))?;
+            out.push((name, text));
+        }
+    }
+    Ok(out)
+}
+
+/// The files of the folder that [`SHADERS_VARIABLE`] names; none where it names none.
+pub fn own_files() -> Vec<PathBuf> {
+    let folder = std::env::var_os(SHADERS_VARIABLE);
+    // A folder that cannot be read is an error when shaders are.
+    folder.map_or_else(Vec::new, |f| files_in(Path::new(&f)).unwrap_or_default())
+}
+
+fn files_in(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut files = Vec::new();
     let mut pending: Vec<PathBuf> = vec![folder.to_path_buf()];
     while let Some(dir) = pending.pop() {
         let problem = |e: std::io::Error| format!("{SHADERS_VARIABLE}: {}: {e}", dir.display());
@@ -155,14 +174,12 @@ fn on_disk(folder: &Path) -> Result<Vec<(String, String)>, String> {
             let path = entry.map_err(problem)?.path();
             if path.is_dir() {
                 pending.push(path);
-            } else if let Some(name) = path.strip_prefix(folder).ok().and_then(module_name) {
-                let text = std::fs::read_to_string(&path)
-                    .map_err(|e| format!("{SHADERS_VARIABLE}: {}: {e}", path.display()))?;
-                out.push((name, text));
+            } else {
+                files.push(path);
             }
         }
     }
-    Ok(out)
+    Ok(files)
 }
 
 /// `light/triangle.wesl` → `light::triangle`; `None` for other files.

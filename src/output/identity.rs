@@ -24,6 +24,16 @@ impl Identity {
         }
     }
 
+    /// The file, absolute and without symbolic links.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The folder that it is in.
+    pub fn folder(&self) -> Option<&Path> {
+        self.path.parent()
+    }
+
     /// Whether writing the one would change the other.
     pub fn is_same(&self, other: &Self) -> bool {
         self.path == other.path || (self.number.is_some() && self.number == other.number)

@@ -158,6 +158,25 @@ fn what_is_read_is_never_written() {
         assert!(stderr.contains(name) && stderr.contains(reason), "{stderr}");
         assert_eq!(contents(folder.path()), before, "{arguments:?}");
     };
+    std::fs::create_dir(at("shaders")).unwrap();
+    std::fs::write(at("shaders/a.wesl"), "").unwrap();
+    let mut command = direkt_in(folder.path());
+    command.env("DIREKT_SHADERS", at("shaders"));
+    let arguments = [
+        "render",
+        "s.toml",
+        "-o",
+        "a.exr",
+        "--json",
+        "shaders/a.wesl",
+    ];
+    let output = command.args(arguments).output().unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("shaders/a.wesl: is a shader that is read"),
+        "{said}"
+    );
     for (name, input) in &named {
         let base = ["render", "s.toml", "-q", "-o"];
         refused(&[&base[..], &["a.exr", "--json", name]].concat(), name);
@@ -199,10 +218,15 @@ fn two_outputs_are_two_files() {
     if cfg!(unix) {
         cases.push(vec!["render", "s.toml", "-o", "a.exr", "-o", "link.exr"]);
     }
+    cases.push(vec!["lab", "-o", "r", "--json", "r/pi.svg"]);
     for arguments in cases {
         let (code, stderr) = run_in(folder.path(), &arguments);
         assert_eq!(code, 2, "{arguments:?}: {stderr}");
-        assert!(stderr.contains("is the same file as"), "{stderr}");
+        let reason = match arguments[0] {
+            "lab" => "end in .svg are written there",
+            _ => "is the same file as",
+        };
+        assert!(stderr.contains(reason), "{stderr}");
         let files = contents(folder.path());
         assert_eq!(files.len(), 1, "{arguments:?}");
     }

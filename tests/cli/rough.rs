@@ -192,10 +192,10 @@ fn end_without_room(folder: &Path) -> Option<String> {
     if !limit.is_ok_and(|status| status.success()) {
         return None;
     }
-    // From here on no picture on the way is written either.
-    let before = colours(&exr);
+    // The EXR of one that had begun before is there when its PNG is.
     std::fs::remove_file(&png).unwrap();
     running.wait_for("a picture within the limit", || png.exists());
+    let before = colours(&exr);
     running.send("-TERM");
     let (status, said) = running.end();
     assert_eq!(status.code(), Some(1), "{said}");

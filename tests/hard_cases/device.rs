@@ -5,7 +5,9 @@ use crate::support::{context, floor_pixel, point_light, prepared, scene, take};
 use direkt::error::{Error, GpuError};
 use direkt::gpu::Context;
 use direkt::gpu::context::adapters;
-use direkt::render::{Film, Prepared, RayCounts, Session, render_through_losses};
+use direkt::render::{
+    Film, Prepared, RayCounts, Session, render_keeping_image, render_through_losses,
+};
 use direkt::scene::{FilmSize, Geometry, Sampler};
 use glam::DVec3;
 
@@ -97,6 +99,35 @@ fn a_device_that_is_lost_again_and_again_is_an_error() {
     let error = render_through_losses(open, &prepared, work, |_, _| ()).unwrap_err();
     assert!(error.to_string().contains("the device was lost"), "{error}");
     assert_eq!((opened, error.exit_code()), (3, 1));
+}
+
+/// What was rendered before a device was given up is the image of those samples.
+#[test]
+fn a_render_that_fails_keeps_its_image() {
+    let prepared = floor(8, 8);
+    let work = |session: &mut Session<'_>| -> Result<(), Error> {
+        while session.samples() < 300 {
+            session.pass(300 - session.samples(), || false)?;
+        }
+        session.context().device.destroy();
+        session.pass(1, || false)?;
+        Ok(())
+    };
+    let failed = render_keeping_image(|| Context::new(None), &prepared, work, |_, _| ());
+    let failure = failed.unwrap_err();
+    assert_eq!(failure.error.exit_code(), 1);
+    let (film, rays) = *failure.image.unwrap();
+    // One block is on the host; 44 samples were on the device.
+    assert_eq!((film.sample_range(), rays.camera), ((256, 256), 256 * 64));
+    let context = context();
+    let mut right = Session::new(&context, &prepared, prepared.scene.film, 0).unwrap();
+    take(&mut right, 256);
+    assert_eq!(film.pixels, right.snapshot().unwrap().0.pixels);
+
+    let never = |_: &mut Session<'_>| -> Result<(), Error> { unreachable!("there is no device") };
+    let none = || Err(GpuError::NoAdapter);
+    let failed = render_keeping_image(none, &prepared, never, |_, _| ());
+    assert!(failed.unwrap_err().image.is_none());
 }
 
 /// Pixels of an image of `size` that have not exactly `samples` samples or not the floor's radiance.
