@@ -7,6 +7,7 @@ mod light_groups;
 mod selection;
 mod sun;
 pub mod tree;
+pub mod unit;
 
 pub use emission_map::EmissionMap;
 pub use environment::EnvironmentGrid;
@@ -48,7 +49,7 @@ pub enum Emitter {
 }
 
 /// The lights of a scene and how one of them is chosen.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Emitters {
     /// The lights. Those without power are left out.
     pub lights: Vec<Emitter>,
@@ -60,6 +61,8 @@ pub struct Emitters {
     pub maps: Vec<EmissionMap>,
     /// Their groups, where the image keeps these apart.
     pub groups: EmitterGroups,
+    /// Radiance that the GPU has as 1; see [`mod@unit`].
+    pub unit: f64,
 }
 
 /// Rec. 709 luminance.
@@ -70,6 +73,19 @@ pub fn luminance(rgb: DVec3) -> f64 {
 /// Whether anything is emitted at all.
 pub fn is_lit(rgb: DVec3) -> bool {
     rgb.max_element() > 0.0
+}
+
+impl Default for Emitters {
+    fn default() -> Self {
+        Self {
+            lights: Vec::new(),
+            selection: None,
+            environment: None,
+            maps: Vec::new(),
+            groups: EmitterGroups::default(),
+            unit: 1.0,
+        }
+    }
 }
 
 impl Emitters {
@@ -151,6 +167,7 @@ impl Emitters {
             LightSelection::Tree => tree_over(&lights, &weights, primitives, &maps),
             LightSelection::Uniform | LightSelection::Power | LightSelection::All => None,
         };
+        let unit = unit::of(scene, &lights, &maps);
         let table = || Selection::new(&weights, selection);
         Self {
             selection: tree.map(Selection::Tree).or_else(table),
@@ -158,6 +175,7 @@ impl Emitters {
             environment: grid,
             maps,
             groups: EmitterGroups::new(scene, &groups),
+            unit,
         }
     }
 

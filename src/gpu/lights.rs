@@ -35,6 +35,7 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
     let tree = prepared.emitters.selection.as_ref();
     let tree = tree.and_then(Selection::tree);
     let trail = |index: usize| tree.map_or(0, |tree| tree.trails[index]);
+    let per_unit = 1.0 / prepared.emitters.unit;
     let lights = prepared.emitters.lights.iter().enumerate();
     let words = lights.flat_map(|(index, emitter)| {
         let samples = bits(prepared.light_samples(index));
@@ -47,19 +48,22 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
             } => {
                 let mut words = area_light(
                     &prepared.primitives[primitive as usize].geometry,
-                    radiance,
+                    radiance * per_unit,
                     two_sided,
                     [samples, trail(index)],
                 );
                 words[0][3] |= map.map_or(0, |map| map + 1) << EMISSION_SHIFT;
                 words
             }
-            Emitter::Delta(light) => delta_light(&light, samples),
+            Emitter::Delta(mut light) => {
+                *light.strength_mut() *= per_unit;
+                delta_light(&light, samples)
+            }
             Emitter::Sun(sun) => [
                 word(sun.towards, LIGHT_DIRECTIONAL),
                 word(DVec3::ZERO, samples),
                 word(DVec3::new(sun.height, 0.0, 0.0), 0),
-                word(sun.radiance, 0),
+                word(sun.radiance * per_unit, 0),
             ],
             Emitter::Environment => [
                 [0, 0, 0, LIGHT_ENVIRONMENT],

@@ -13,6 +13,8 @@ use crate::scene::FilmSize;
 #[derive(Debug)]
 pub struct Recorder<'a> {
     program: TileProgram<'a, SampleRecord>,
+    /// Radiance that the kernel has as 1.
+    unit: f32,
     film: FilmSize,
 }
 
@@ -28,7 +30,21 @@ impl<'a> Recorder<'a> {
         seed: u32,
     ) -> Result<Self, GpuError> {
         let program = TileProgram::new(context, prepared, film, seed, &RECORD)?;
-        Ok(Self { program, film })
+        Ok(Self {
+            program,
+            unit: prepared.emitters.unit as f32,
+            film,
+        })
+    }
+
+    fn in_world_units(&self, record: &SampleRecord) -> SampleRecord {
+        let scaled = |radiance: [f32; 3]| radiance.map(|x| self.unit * x);
+        SampleRecord {
+            radiance: scaled(record.radiance),
+            by_light: scaled(record.by_light),
+            by_bsdf: scaled(record.by_bsdf),
+            ..*record
+        }
     }
 
     /// Sample `index` of every pixel, row by row.
@@ -44,7 +60,7 @@ impl<'a> Recorder<'a> {
         };
         self.program.run(&parameters, |pixel, record| {
             unwritten += usize::from(record.bsdf_primitive == POISON);
-            out[pixel] = *record;
+            out[pixel] = self.in_world_units(record);
         })?;
         if unwritten > 0 {
             return Err(self.program.unfinished(unwritten));

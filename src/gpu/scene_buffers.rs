@@ -315,6 +315,7 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, environment_grid: [
     }
     if let Some(environment) = &prepared.scene.environment {
         let to_map = environment.rotation.transpose();
+        let per_unit = 1.0 / prepared.emitters.unit;
         let row = |i: usize| f3(to_map.row(i));
         [
             frame.environment_x,
@@ -329,10 +330,10 @@ pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, environment_grid: [
         frame.environment_selection = index.map_or(0.0, |i| prepared.light_samples(i)) as f32;
         match &environment.radiance {
             EnvironmentRadiance::Constant(radiance) => {
-                frame.environment_radiance = f3(*radiance * environment.scale);
+                frame.environment_radiance = f3(*radiance * environment.scale * per_unit);
             }
             EnvironmentRadiance::Map(map) => {
-                frame.environment_radiance = [environment.scale as f32; 3];
+                frame.environment_radiance = [(environment.scale * per_unit) as f32; 3];
                 [frame.environment_width, frame.environment_height] = [map.width, map.height];
                 frame.environment_linear = u32::from(map.interpolation == Interpolation::Linear);
             }

@@ -129,6 +129,9 @@ impl Film {
         };
         let by_chance = student(freedom, confidence) * variance.sqrt();
         let pixels = self.pixels.len() as f64;
+        if !(sum.is_finite() && by_chance.is_finite()) {
+            return None;
+        }
         let interval = |of_denominators: f64| {
             Interval::positive(sum / pixels, by_chance.hypot(of_denominators) / pixels)
         };

@@ -24,12 +24,17 @@ pub struct Pixel {
 impl Pixel {
     /// Adds a block of samples.
     pub fn merge(&mut self, block: &PixelState) {
+        self.merge_in(1.0, block);
+    }
+
+    /// The same for a block whose radiance is in multiples of `unit`.
+    fn merge_in(&mut self, unit: f64, block: &PixelState) {
         for c in 0..3 {
             let mut channel = self.channel(c);
             channel.merge(&Moments {
                 count: u64::from(block.samples),
-                mean: f64::from(block.mean[c]),
-                m2: f64::from(block.m2[c]),
+                mean: unit * f64::from(block.mean[c]),
+                m2: unit * unit * f64::from(block.m2[c]),
             });
             (self.mean[c], self.m2[c]) = (channel.mean, channel.m2);
         }
@@ -38,7 +43,7 @@ impl Pixel {
             self.second_samples += u64::from(block.second_samples);
             let part = f64::from(block.second_samples) / self.second_samples as f64;
             for (mean, of_block) in self.second_mean.iter_mut().zip(block.second_mean) {
-                *mean += (f64::from(of_block) - *mean) * part;
+                *mean += (unit * f64::from(of_block) - *mean) * part;
             }
         }
     }
@@ -131,6 +136,8 @@ pub struct Film {
     pub size: FilmSize,
     /// How its samples' random numbers were made.
     pub sampler: Sampler,
+    /// Radiance that the blocks which are merged have as 1: a power of two.
+    pub unit: f64,
     /// Pixels, row by row from the top.
     pub pixels: Vec<Pixel>,
     /// What was dropped.
@@ -145,6 +152,7 @@ impl Film {
         Self {
             size,
             sampler,
+            unit: 1.0,
             pixels: vec![Pixel::default(); size.pixels()],
             ledger: Ledger::default(),
             light_groups: Vec::new(),
@@ -160,16 +168,22 @@ impl Film {
         }
     }
 
+    /// The same for blocks whose radiance is in multiples of `unit`.
+    #[must_use]
+    pub fn in_units_of(self, unit: f64) -> Self {
+        Self { unit, ..self }
+    }
+
     /// Adds a block of the pixel `index`: `groups` are its groups' means.
     pub fn merge(&mut self, index: usize, block: &PixelState, groups: &[GroupMean]) {
-        self.pixels[index].merge(block);
+        self.pixels[index].merge_in(self.unit, block);
         if block.samples == 0 {
             return;
         }
         let part = f64::from(block.samples) / self.pixels[index].samples as f64;
         for (image, group) in self.light_groups.iter_mut().zip(groups) {
             for (mean, bits) in image[index].iter_mut().zip(group) {
-                *mean += (f64::from(f32::from_bits(*bits)) - *mean) * part;
+                *mean += (self.unit * f64::from(f32::from_bits(*bits)) - *mean) * part;
             }
         }
     }

@@ -232,7 +232,9 @@ impl<'a> Session<'a> {
     fn forget(&mut self) -> Result<(), GpuError> {
         self.rays = RayCounts::default();
         let groups = self.film.light_groups.len();
-        self.film = Film::new(self.film.size, self.film.sampler).with_light_groups(groups);
+        self.film = Film::new(self.film.size, self.film.sampler)
+            .with_light_groups(groups)
+            .in_units_of(self.film.unit);
         let was_shared_out = self.standing.allocation.is_some();
         self.standing = Standing::default();
         if was_shared_out {
@@ -254,7 +256,9 @@ impl<'a> Session<'a> {
 
 fn new_film(prepared: &Prepared, size: FilmSize) -> Film {
     let groups = prepared.emitters.groups.names.len();
-    Film::new(size, prepared.scene.render.sampler).with_light_groups(groups)
+    Film::new(size, prepared.scene.render.sampler)
+        .with_light_groups(groups)
+        .in_units_of(prepared.emitters.unit)
 }
 
 /// How long a dispatch should take where nobody says otherwise.
