@@ -69,6 +69,8 @@ effects! {
     Disks "DISKS" "disks" Simulation |r| r.shape(|s| matches!(s, Shape::Disk { .. }));
     /// Analytic spheres.
     Spheres "SPHERES" "spheres" Simulation |r| r.shape(|s| matches!(s, Shape::Sphere { .. }));
+    /// Analytic ellipsoids.
+    Ellipsoids "ELLIPSOIDS" "ellipsoids" Simulation |r| r.shape(|s| matches!(s, Shape::Ellipsoid { .. }));
     /// Boxes of the hierarchy on a logarithmic grid: detail in a scene that is much larger.
     LogarithmicGrid "LOGARITHMIC_GRID" "logarithmic-grid" Simulation |_| None;
     /// Surfaces whose back does not exist.
@@ -106,7 +108,7 @@ effects! {
     EmissiveTexture "EMISSIVE_TEXTURE" "emissive-texture" Simulation |r| r.emissive_texture();
     /// Triangles, rectangles or disks that emit and are sampled.
     PlanarLights "LIGHT_PLANAR" "planar-lights" Simulation
-        |r| r.emitting_shape(|s, sampled| sampled && !matches!(s, Shape::Sphere { .. }));
+        |r| r.emitting_shape(|s, sampled| sampled && !matches!(s, Shape::Sphere { .. } | Shape::Ellipsoid { .. }));
     /// Triangles that emit.
     TriangleLights "LIGHT_TRIANGLES" "triangle-lights" Simulation
         |r| r.emitting_shape(|s, sampled| sampled && matches!(s, Shape::Triangle { .. }));
@@ -118,6 +120,9 @@ effects! {
     /// Spheres that emit.
     SphereLights "LIGHT_SPHERES" "sphere-lights" Simulation
         |r| r.emitting_shape(|s, sampled| sampled && matches!(s, Shape::Sphere { .. }));
+    /// Ellipsoids that emit.
+    EllipsoidLights "LIGHT_ELLIPSOIDS" "ellipsoid-lights" Simulation
+        |r| r.emitting_shape(|s, sampled| sampled && matches!(s, Shape::Ellipsoid { .. }));
     /// Point and spot lights.
     PointLights "LIGHT_POINTS" "point-lights" Simulation |r| r.light(|light| match light {
         Emitter::Delta(Light::Point { .. }) => Some("a point light"),

@@ -87,7 +87,7 @@ impl Attributes {
         let textured = material.texture_uses().next().is_some();
         let none = Attributed::default();
         let (mut attributed, alpha) = match primitive.geometry {
-            PrimitiveGeometry::Sphere { .. } => (none, 1.0),
+            PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => (none, 1.0),
             PrimitiveGeometry::Rectangle { .. } | PrimitiveGeometry::Disk { .. } => {
                 let uvs = textured;
                 (Attributed { uvs, ..none }, 1.0)
@@ -169,7 +169,7 @@ pub fn texture_coordinates(scene: &Scene, primitive: &Primitive) -> Option<[DVec
     match primitive.geometry {
         PrimitiveGeometry::Rectangle { .. } => Some(corners.map(rectangle_uv)),
         PrimitiveGeometry::Disk { .. } => Some(corners.map(disk_uv)),
-        PrimitiveGeometry::Sphere { .. } => None,
+        PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => None,
         PrimitiveGeometry::Triangle { .. } => {
             let Geometry::Mesh(mesh) = &scene.shapes[primitive.shape.index()].geometry else {
                 return None;

@@ -1,5 +1,6 @@
 //! Shapes as primitives in normalised space.
 
+use crate::scene::ellipsoid::{self, PrincipalAxes, half_extent};
 use crate::scene::normalize::{Normalization, disk_half_extent};
 use crate::scene::{Geometry, MaterialId, Scene, ShapeId};
 use glam::DVec3;
@@ -54,6 +55,15 @@ pub enum PrimitiveGeometry {
         /// Radius.
         radius: f64,
     },
+    /// An ellipsoid: center + R (radii ∘ p), |p| ≤ 1.
+    Ellipsoid {
+        /// Centre.
+        center: DVec3,
+        /// Lengths of its half axes.
+        radii: DVec3,
+        /// Rodrigues vector of the rotation R.
+        rodrigues: DVec3,
+    },
 }
 
 impl PrimitiveGeometry {
@@ -64,6 +74,7 @@ impl PrimitiveGeometry {
             Self::Rectangle { u, v, .. } => u.cross(v).length(),
             Self::Disk { u, v, .. } => std::f64::consts::PI * u.cross(v).length(),
             Self::Sphere { radius, .. } => 4.0 * std::f64::consts::PI * radius * radius,
+            Self::Ellipsoid { radii, .. } => ellipsoid::surface(radii),
         }
     }
 
@@ -74,7 +85,7 @@ impl PrimitiveGeometry {
             Self::Rectangle { u, v, .. } | Self::Disk { u, v, .. } => {
                 u.dot(v).abs() > 1e-6 * u.length() * v.length()
             }
-            Self::Triangle { .. } | Self::Sphere { .. } => false,
+            Self::Triangle { .. } | Self::Sphere { .. } | Self::Ellipsoid { .. } => false,
         }
     }
 
@@ -95,6 +106,14 @@ impl PrimitiveGeometry {
             }
             Self::Sphere { center, radius } => {
                 (center - DVec3::splat(radius), center + DVec3::splat(radius))
+            }
+            Self::Ellipsoid {
+                center,
+                radii,
+                rodrigues,
+            } => {
+                let half = half_extent(PrincipalAxes { radii, rodrigues }.axes());
+                (center - half, center + half)
             }
         }
     }
@@ -135,6 +154,14 @@ pub fn primitives(scene: &Scene, normalization: &Normalization) -> Vec<Primitive
                 center: normalization.point(*center),
                 radius: normalization.length(*radius),
             }),
+            Geometry::Ellipsoid { center, axes } => {
+                let PrincipalAxes { radii, rodrigues } = PrincipalAxes::of(*axes);
+                push(PrimitiveGeometry::Ellipsoid {
+                    center: normalization.point(*center),
+                    radii: normalization.vector(radii),
+                    rodrigues,
+                });
+            }
             Geometry::Mesh(mesh) => {
                 for t in &mesh.triangles {
                     let [a, b, c] = t.map(|i| normalization.point(mesh.positions[i as usize]));

@@ -328,9 +328,14 @@ impl Rules<'_> {
     }
 
     pub(super) fn solid_angle_sampling(&self) -> Option<String> {
-        let area_lights = self.has(Effect::PlanarLights) || self.has(Effect::SphereLights);
+        let area_lights = [
+            Effect::PlanarLights,
+            Effect::SphereLights,
+            Effect::EllipsoidLights,
+        ];
+        let sampled = area_lights.into_iter().any(|effect| self.has(effect));
         let wanted = self.sampling_of_lights() != LightSampling::Area;
-        (area_lights && wanted).then(|| self.by_strategy())
+        (sampled && wanted).then(|| self.by_strategy())
     }
 
     pub(super) fn projected_sampling(&self) -> Option<String> {

@@ -259,8 +259,12 @@ shared! {
     "scene::fetch" KIND_DISK = 2;
     /// A sphere.
     "scene::fetch" KIND_SPHERE = 3;
+    /// An ellipsoid.
+    "scene::fetch" KIND_ELLIPSOID = 4;
     /// Set in a primitive's head where its back does not exist.
-    "scene::fetch" ONE_SIDED_BIT = 4;
+    "scene::fetch" ONE_SIDED_BIT = 8;
+    /// Bits below the material in a primitive's head.
+    "scene::fetch" MATERIAL_SHIFT = 4;
     /// Words of a material.
     "scene::fetch" MATERIAL_WORDS = 5;
     /// Schlick's Fresnel term.
@@ -313,7 +317,7 @@ shared! {
     "scene::fetch" LIGHT_ENVIRONMENT = 7;
     /// Set in a light's head where its back emits as well.
     "scene::fetch" TWO_SIDED_BIT = 8;
-    /// Set in a light's head where its edges or half axes are not orthogonal.
+    /// Set in a light's head where its edges or half axes are not orthogonal, and where a sphere is an ellipsoid.
     "scene::fetch" SKEWED_BIT = 16;
     /// Words of a light.
     "scene::fetch" LIGHT_WORDS = 4;

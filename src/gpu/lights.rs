@@ -119,7 +119,9 @@ fn area_light(
     [samples, trail]: [u32; 2],
 ) -> [Word; 4] {
     let flag = |set: bool, bit: u32| if set { bit } else { 0 };
-    let flags = flag(two_sided, TWO_SIDED_BIT) | flag(geometry.is_skewed(), SKEWED_BIT);
+    let ellipsoid = matches!(geometry, PrimitiveGeometry::Ellipsoid { .. });
+    let skewed = geometry.is_skewed() || ellipsoid;
+    let flags = flag(two_sided, TWO_SIDED_BIT) | flag(skewed, SKEWED_BIT);
     let (kind, a, u, v) = match *geometry {
         PrimitiveGeometry::Triangle { a, u, v } => (LIGHT_TRIANGLE, a, u, v),
         PrimitiveGeometry::Rectangle { a, u, v } => (LIGHT_RECTANGLE, a, u, v),
@@ -130,6 +132,11 @@ fn area_light(
             DVec3::new(radius, 0.0, 0.0),
             DVec3::ZERO,
         ),
+        PrimitiveGeometry::Ellipsoid {
+            center,
+            radii,
+            rodrigues,
+        } => (LIGHT_SPHERE, center, radii, rodrigues),
     };
     [
         word(a, kind | flags),

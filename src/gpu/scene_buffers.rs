@@ -4,8 +4,9 @@ use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::environment::EnvironmentBuffers;
 use super::layout::{
-    ATTRIBUTE_BITS, EMISSION_MASK, FILTER_WORDS, Frame, HAS_COLORS, HAS_NORMALS, HAS_OPACITY,
-    HAS_UVS, KIND_DISK, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, NONE, ONE_SIDED_BIT, TILE,
+    ATTRIBUTE_BITS, EMISSION_MASK, FILTER_WORDS, Frame, HAS_COLORS, HAS_NORMALS, HAS_OPACITY, HAS_UVS,
+    KIND_DISK, KIND_ELLIPSOID, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, MATERIAL_SHIFT, NONE,
+    ONE_SIDED_BIT, TILE,
 };
 use super::lights::{choice_words, emission_cell_words, first_emission_word, light_words};
 use super::materials::{MaterialWords, material_words};
@@ -222,7 +223,7 @@ fn one_primitive(scene: &Scene, p: &Primitive, light: u32, attributed: &Attribut
     let attributes = attributed.word << ATTRIBUTE_BITS | has;
     let one_sided = !scene.materials[p.material.index()].double_sided;
     let side = if one_sided { ONE_SIDED_BIT } else { 0 };
-    let head = |kind: u32| kind | side | p.material.0 << 3;
+    let head = |kind: u32| kind | side | p.material.0 << MATERIAL_SHIFT;
     let planar = |kind: u32, a: DVec3, u: DVec3, v: DVec3| {
         [
             word(a, head(kind)),
@@ -238,6 +239,15 @@ fn one_primitive(scene: &Scene, p: &Primitive, light: u32, attributed: &Attribut
             word(center, head(KIND_SPHERE)),
             word(DVec3::new(radius, 0.0, 0.0), light),
             [0, 0, 0, attributes],
+        ],
+        PrimitiveGeometry::Ellipsoid {
+            center,
+            radii,
+            rodrigues,
+        } => [
+            word(center, head(KIND_ELLIPSOID)),
+            word(radii, light),
+            word(rodrigues, attributes),
         ],
     }
 }

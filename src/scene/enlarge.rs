@@ -3,6 +3,7 @@
 //! The normal of a planar light is the product of its edges, whose square underflows below 10⁻¹⁹; a density is the reciprocal of
 //! its area. From anywhere else a light so small is a point: what arrives depends on its power alone.
 
+use super::ellipsoid::PrincipalAxes;
 use super::normalize::Normalization;
 use super::{Geometry, Scene};
 use glam::DVec3;
@@ -52,6 +53,11 @@ fn enlarged(geometry: &mut Geometry, least: f64) -> f64 {
             let of_radius = factor(*radius);
             *radius *= of_radius;
             of_radius * of_radius
+        }
+        Geometry::Ellipsoid { axes, .. } => {
+            let of_longest = factor(PrincipalAxes::of(*axes).radii.max_element());
+            *axes *= of_longest;
+            of_longest * of_longest
         }
     }
 }

@@ -9,6 +9,7 @@
 //! swallow that detail. Its centre is what the camera sees, and its unit the length that matters there. f32 rounds
 //! relative to the distance from the centre, so the far parts lose no more than the near ones as the camera sees them.
 
+use super::ellipsoid::half_extent;
 use super::view::View;
 use super::{Camera, Geometry, Lens, Projection, Scene, Shape};
 use glam::DVec3;
@@ -158,6 +159,11 @@ pub fn bounds<'a>(shapes: impl IntoIterator<Item = &'a Shape>) -> Option<(DVec3,
             Geometry::Sphere { center, radius } => {
                 add(center - DVec3::splat(*radius));
                 add(center + DVec3::splat(*radius));
+            }
+            Geometry::Ellipsoid { center, axes } => {
+                let half = half_extent(*axes);
+                add(center - half);
+                add(center + half);
             }
             Geometry::Mesh(mesh) => {
                 for triangle in &mesh.triangles {

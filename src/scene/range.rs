@@ -1,5 +1,6 @@
 //! Whether the numbers of a valid scene are still finite once it is moved, scaled and rounded to f32.
 
+use super::ellipsoid::PrincipalAxes;
 use super::light::sun_radiance;
 use super::normalize::{Normalization, bounds};
 use super::{Environment, EnvironmentRadiance, Geometry, Lens, Light, Projection, Scene, Shape};
@@ -151,6 +152,17 @@ impl Range<'_> {
                 return self.error(
                     format!("{}.radius", shape.field()),
                     format!("is {radius:e}, {of_scene:e} of the scene's size"),
+                    "at least 1e-18 of it",
+                );
+            }
+        }
+        if let Geometry::Ellipsoid { axes, .. } = shape.geometry {
+            let shortest = PrincipalAxes::of(axes).radii.min_element();
+            let of_scene = self.normalization.length(shortest);
+            if of_scene < MIN_RADIUS {
+                return self.error(
+                    format!("{}.transform", shape.field()),
+                    format!("makes a half axis of {shortest:e}, {of_scene:e} of the scene's size"),
                     "at least 1e-18 of it",
                 );
             }

@@ -39,7 +39,7 @@ impl Near {
     /// `geometry` cut; `None` where that is not needed.
     fn refined(&self, geometry: &Geometry) -> Option<Mesh> {
         let (mesh, disk) = match geometry {
-            Geometry::Sphere { .. } => return None,
+            Geometry::Sphere { .. } | Geometry::Ellipsoid { .. } => return None,
             Geometry::Mesh(mesh) if self.is_coarse_anywhere(mesh) => (mesh.clone(), None),
             Geometry::Mesh(_) => return None,
             Geometry::Rectangle { corner, u, v } => (of_rectangle(*corner, *u, *v), None),

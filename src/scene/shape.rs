@@ -2,7 +2,7 @@
 
 use super::ids::MaterialId;
 use super::texture::TextureUse;
-use glam::{DVec2, DVec3, Vec4};
+use glam::{DMat3, DVec2, DVec3, Vec4};
 
 /// A surface of the scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +45,13 @@ pub enum Geometry {
         /// Radius, above 0.
         radius: f64,
     },
+    /// The ellipsoid `center + axes·p`, |p| ≤ 1; its normal points outwards.
+    Ellipsoid {
+        /// Centre.
+        center: DVec3,
+        /// An invertible map; its columns need not be orthogonal.
+        axes: DMat3,
+    },
     /// A triangle mesh; a triangle's normal is `(b − a) × (c − a)`.
     Mesh(Mesh),
 }
@@ -69,6 +76,9 @@ impl Geometry {
                 of_points(&[*p, *u, *v])
             }
             Self::Sphere { center, radius } => of_points(&[*center]).max(*radius),
+            Self::Ellipsoid { center, axes } => {
+                of_points(&[*center, axes.x_axis, axes.y_axis, axes.z_axis])
+            }
             Self::Mesh(mesh) => of_points(&mesh.positions),
         }
     }
@@ -76,7 +86,10 @@ impl Geometry {
     /// Primitives that it consists of.
     pub fn primitives(&self) -> u64 {
         match self {
-            Self::Rectangle { .. } | Self::Disk { .. } | Self::Sphere { .. } => 1,
+            Self::Rectangle { .. }
+            | Self::Disk { .. }
+            | Self::Sphere { .. }
+            | Self::Ellipsoid { .. } => 1,
             Self::Mesh(mesh) => mesh.triangles.len() as u64,
         }
     }

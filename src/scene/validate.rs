@@ -5,6 +5,7 @@
 mod materials;
 mod view;
 
+use super::ellipsoid::PrincipalAxes;
 use super::light::MIN_SUN;
 use super::light_groups::MAX_LIGHT_GROUPS;
 use super::range;
@@ -61,6 +62,10 @@ pub fn settings(scene: &Scene) -> Result<(), InputError> {
     check.settings(scene)
 }
 
+/// The largest ratio of an ellipsoid's half axes: the square of their product, in units of the longest, is a normal number
+/// of f32.
+const MAX_ASPECT: f64 = 1e9;
+
 /// Makes errors about one file.
 struct Check<'a> {
     file: &'a std::path::Path,
@@ -96,7 +101,10 @@ impl Check<'_> {
         )?;
         let two_sided = shape.emission.is_some_and(|e| e.two_sided);
         let opacity = materials[shape.material.index()].opacity.untextured();
-        let sphere = matches!(shape.geometry, Geometry::Sphere { .. });
+        let sphere = matches!(
+            shape.geometry,
+            Geometry::Sphere { .. } | Geometry::Ellipsoid { .. }
+        );
         self.require(
             !(sphere && two_sided) || opacity >= 1.0,
             || format!("{field}.emission.two_sided"),
@@ -120,8 +128,32 @@ impl Check<'_> {
                 || format!("is {radius}"),
                 "a finite centre, and a radius above 0",
             ),
+            Geometry::Ellipsoid { center, axes } => self.ellipsoid(*center, *axes, field),
             Geometry::Mesh(mesh) => self.mesh(mesh, field),
         }
+    }
+
+    fn ellipsoid(&self, center: DVec3, axes: DMat3, field: &str) -> Outcome {
+        let columns = [axes.x_axis, axes.y_axis, axes.z_axis];
+        let volume: f64 = columns.iter().map(|axis| axis.length()).product();
+        self.require(
+            center.is_finite() && axes.is_finite() && axes.determinant().abs() > 1e-12 * volume,
+            || field.to_owned(),
+            || format!("has no volume: `axes` {axes}"),
+            "a finite centre, and finite axes that do not lie in a plane",
+        )?;
+        let radii = PrincipalAxes::of(axes).radii;
+        self.require(
+            radii.max_element() <= MAX_ASPECT * radii.min_element(),
+            || format!("{field}.transform"),
+            || {
+                format!(
+                    "makes an ellipsoid with half axes of {}, {} and {}",
+                    radii.x, radii.y, radii.z
+                )
+            },
+            "half axes that differ by a factor of 1e9 at most; a disk has no thickness",
+        )
     }
 
     fn light_groups(&self, groups: &LightGroups) -> Outcome {

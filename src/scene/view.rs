@@ -3,9 +3,10 @@
 //! A few probe rays over the image tell. What a probe meets at the distance t matters at the scale of t, since a pixel of
 //! it is a fixed part of t; through a narrow field of view at that of the field, as long as there is geometry that fine.
 
+use super::ellipsoid::half_extent;
 use super::normalize::bounds;
 use super::{Camera, FilmSize, Geometry, Mesh, Projection, Scene};
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -252,6 +253,10 @@ fn meet_shape(geometry: &Geometry, probe: &Probe) -> Option<(f64, f64)> {
         Geometry::Sphere { center, radius } => {
             Some((meet_sphere(probe, *center, *radius)?, 2.0 * radius))
         }
+        Geometry::Ellipsoid { center, axes } => {
+            let distance = meet_ellipsoid(probe, *center, *axes)?;
+            Some((distance, 2.0 * half_extent(*axes).max_element()))
+        }
         Geometry::Mesh(_) => None,
     }
 }
@@ -282,6 +287,18 @@ fn meet_sphere(probe: &Probe, center: DVec3, radius: f64) -> Option<f64> {
     let half_chord = ((radius - off.length()) * (radius + off.length())).sqrt();
     let hits = [along - half_chord, along + half_chord];
     hits.into_iter().find(|&t| t > 0.0)
+}
+
+/// Distance to the image of the unit sphere under `axes`, moved to `center`: met in the sphere's own space.
+fn meet_ellipsoid(probe: &Probe, center: DVec3, axes: DMat3) -> Option<f64> {
+    let to_sphere = axes.inverse();
+    let direction = to_sphere * probe.direction;
+    let stretch = direction.length();
+    let probe = Probe {
+        origin: to_sphere * (probe.origin - center),
+        direction: direction / stretch,
+    };
+    Some(meet_sphere(&probe, DVec3::ZERO, 1.0)? / stretch)
 }
 
 fn meets_box(probe: &Probe, (low, high): &Box3) -> bool {

@@ -52,6 +52,12 @@ fn mapped(
             Geometry::Sphere { center, radius } => {
                 (*center, *radius) = (point(*center), length(*radius));
             }
+            Geometry::Ellipsoid { center, axes } => {
+                *center = point(*center);
+                for axis in [&mut axes.x_axis, &mut axes.y_axis, &mut axes.z_axis] {
+                    *axis = vector(*axis);
+                }
+            }
             Geometry::Mesh(mesh) => mesh.positions.iter_mut().for_each(|p| *p = point(*p)),
         }
     }

@@ -198,8 +198,18 @@ fn transforms() {
         "shapes[0].transform: the transform is singular (its determinant is 0e0); expected a transform that does not flatten space; no scale may be 0",
     );
     says(
-        shape("type = \"sphere\"\ntransform = [{ scale = [1, 2, 1] }]"),
-        "shapes[0].transform: a sphere under a non-uniform scale (1, 2, 1) is an ellipsoid; expected the same scale along all axes",
+        shape("type = \"sphere\"\ntransform = [{ scale = [1, 2, 0] }]"),
+        "shapes[0].transform: the transform is singular (its determinant is 0e0); expected a transform that does not flatten space; no scale may be 0",
+    );
+    says(
+        shape("type = \"sphere\"\ntransform = [{ scale = [1, 2, 1e-9] }]"),
+        "shapes[0].transform: makes an ellipsoid with half axes of 1, 2 and 0.000000001; expected half axes that differ by a factor of 1e9 at most; a disk has no thickness",
+    );
+    says(
+        shape(
+            "type = \"sphere\"\ntransform = [{ scale = [1e-20, 2e-20, 1e-20] }]\n[[shapes]]\ntype = \"sphere\"",
+        ),
+        "shapes[0].transform: makes a half axis of 1e-20, 1e-20 of the scene's size; expected at least 1e-18 of it",
     );
     says(
         shape("type = \"disk\"\ntransform = [{ rotate = { axis = [0, 0, 0], degrees = 9 } }]"),

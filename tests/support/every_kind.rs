@@ -85,6 +85,14 @@ pub fn every_kind(environment: Environment) -> Scene {
                 center: DVec3::new(1.5, -2.0, 1.7) + shift,
                 radius: 0.6,
             },
+            Geometry::Ellipsoid {
+                center: DVec3::new(0.2, -2.4, 1.4) + shift,
+                axes: DMat3::from_cols(
+                    DVec3::new(0.45, 0.1, -0.1),
+                    DVec3::new(0.0, 0.3, 0.15),
+                    DVec3::new(0.1, 0.0, -0.2),
+                ),
+            },
         ]
     };
     for (i, geometry) in (0..).zip(geometries(DVec3::ZERO)) {

@@ -132,6 +132,11 @@ impl<F: FnMut(f64) -> f64> Visitor<'_, F> {
                 self.vector(center);
                 self.number(radius);
             }
+            Geometry::Ellipsoid { center, axes } => {
+                let columns = [&mut axes.x_axis, &mut axes.y_axis, &mut axes.z_axis];
+                columns.into_iter().for_each(|axis| self.vector(axis));
+                self.vector(center);
+            }
             Geometry::Mesh(mesh) => {
                 mesh.positions.iter_mut().for_each(|p| self.vector(p));
                 let corners = mesh.triangles.iter_mut().flatten();

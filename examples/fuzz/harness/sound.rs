@@ -37,6 +37,16 @@ pub fn prepare(scene: Scene) -> Result<(), String> {
         if let PrimitiveGeometry::Sphere { radius, .. } = primitive.geometry {
             require("radius", radius, |r| ((r * r) as f32).is_normal())?;
         }
+        if let PrimitiveGeometry::Ellipsoid {
+            radii, rodrigues, ..
+        } = primitive.geometry
+        {
+            let shortest = radii.min_element();
+            require("half axis", shortest, |r| ((r * r) as f32).is_normal())?;
+            let aspect = radii.max_element() / shortest;
+            require("aspect of an ellipsoid", aspect, |a| a <= 1.001e9)?;
+            small("rotation", rodrigues)?;
+        }
     }
     let bvh = &prepared.bvh;
     finite("grid: origin", bvh.grid.origin.as_dvec3())?;

@@ -121,6 +121,9 @@ impl TreeLight {
             }
             PrimitiveGeometry::Disk { a, u, v } => ([a; 4], u.length().max(v.length())),
             PrimitiveGeometry::Sphere { center, radius } => ([center; 4], radius),
+            PrimitiveGeometry::Ellipsoid { center, radii, .. } => {
+                ([center; 4], radii.max_element())
+            }
         };
         let (normals, seen) = match *geometry {
             PrimitiveGeometry::Triangle { u, v, .. }
@@ -134,6 +137,11 @@ impl TreeLight {
                 (normals, geometry.area())
             }
             PrimitiveGeometry::Sphere { .. } => (Cone::SPHERE, 0.25 * geometry.area()),
+            // Along its shortest axis an ellipsoid looks largest.
+            PrimitiveGeometry::Ellipsoid { radii, .. } => {
+                let seen = PI * radii.element_product() / radii.min_element();
+                (Cone::SPHERE, seen)
+            }
         };
         let bounds = LightBounds {
             low,

@@ -59,6 +59,11 @@ fn light(random: &mut Random, index: u32) -> TreeLight {
         0 => PrimitiveGeometry::Triangle { a, u, v },
         1 => PrimitiveGeometry::Rectangle { a, u, v },
         2 => PrimitiveGeometry::Disk { a, u, v },
+        3 if random.unit() < 0.5 => PrimitiveGeometry::Ellipsoid {
+            center: a,
+            radii: size * DVec3::new(1.0, 0.1 + random.unit(), 0.1 + random.unit()),
+            rodrigues: 0.5 * random.direction(),
+        },
         3 => PrimitiveGeometry::Sphere {
             center: a,
             radius: size,

@@ -6,6 +6,7 @@ pub mod math;
 pub mod octahedral;
 pub mod pdf;
 pub mod ray;
+pub mod ray_ellipsoid;
 pub mod ray_planar;
 pub mod ray_sphere;
 pub mod rng;

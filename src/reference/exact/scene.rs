@@ -125,9 +125,9 @@ impl<'a> ExactScene<'a> {
         let vertices = |i: usize| match world.primitives[i].geometry {
             PrimitiveGeometry::Triangle { a, u, v } => Ok(vec![a, a + u, a + v]),
             PrimitiveGeometry::Rectangle { a, u, v } => Ok(vec![a, a + u, a + u + v, a + v]),
-            PrimitiveGeometry::Disk { .. } | PrimitiveGeometry::Sphere { .. } => {
-                Err(NotExact::Curved(world.name_of(i)))
-            }
+            PrimitiveGeometry::Disk { .. }
+            | PrimitiveGeometry::Sphere { .. }
+            | PrimitiveGeometry::Ellipsoid { .. } => Err(NotExact::Curved(world.name_of(i))),
         };
         if let Some(i) = (0..world.primitives.len()).find(|&i| world.has_shading_normals(i)) {
             return Err(NotExact::ShadingNormals(world.name_of(i)));

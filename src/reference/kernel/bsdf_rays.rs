@@ -9,6 +9,7 @@ use crate::reference::core::pdf::{PdfSolidAngle, of_samples};
 use crate::reference::core::ray::Ray;
 use crate::reference::core::rng::{to_unit, to_unit_2d};
 use crate::reference::light::area_light::{pdf_area_light, pdf_light_area};
+use crate::reference::light::ellipsoid::Ellipsoid;
 use crate::reference::light::emission::{emission_cell_margin, emission_map, invert_light_area};
 use crate::reference::light::light::{
     emitted_radiance, environment_cell_margin, environment_radiance, pdf_environment,
@@ -107,14 +108,16 @@ impl Direct<'_> {
             return dark;
         };
         sample.conditions.bsdf_cos_light = y.cos_o;
-        if let PrimitiveGeometry::Sphere { radius, .. } =
-            world.primitives[hit.primitive as usize].geometry
-        {
+        let geometry = &world.primitives[hit.primitive as usize].geometry;
+        if let PrimitiveGeometry::Sphere { radius, .. } = *geometry {
+            sample.conditions.bsdf_light_curvature = hit.t / radius;
+        }
+        if let Some(ellipsoid) = Ellipsoid::of(geometry) {
+            let radius = ellipsoid.curvature_radius(y.position);
             sample.conditions.bsdf_light_curvature = hit.t / radius;
         }
         let place = (s.position, &s.frame);
         if let Some(map) = emission_map(world, light) {
-            let geometry = &world.primitives[hit.primitive as usize].geometry;
             let on_square = emission_cell_margin(map, invert_light_area(geometry, hit.st));
             // An angle moves the point by so much over the cosine, and as a part of the light's size.
             let size = geometry.area().sqrt() / hit.t;

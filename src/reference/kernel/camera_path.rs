@@ -9,6 +9,7 @@ use crate::reference::core::frame::to_world;
 use crate::reference::core::ray::{Hit, Ray};
 use crate::reference::core::rng::to_unit;
 use crate::reference::core::sampler::{GROUP_SPECULAR, Numbers, SampleId};
+use crate::reference::light::ellipsoid::Ellipsoid;
 use crate::reference::light::light::{distant_radiance, emitted_radiance};
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::{Crossings, RAY_CAMERA};
@@ -36,13 +37,15 @@ pub fn ray_onwards(s: &Surface, wi: DVec3, transmitted: bool) -> Ray {
     }
 }
 
-/// Factor by which the surface of a primitive spreads the angle of a ray that met it at cosine `cos`, having come the
-/// distance `t`.
-fn spread(geometry: &PrimitiveGeometry, t: f64, cos: f64) -> f64 {
-    match geometry {
-        PrimitiveGeometry::Sphere { radius, .. } => 1.0 + 2.0 * t / (radius * cos.max(1e-6)),
-        _ => 1.0,
-    }
+/// Factor by which the surface of a primitive spreads the angle of a ray that met it at `surface`, having come the distance
+/// `t`.
+fn spread(geometry: &PrimitiveGeometry, t: f64, surface: &Surface) -> f64 {
+    let radius = match geometry {
+        PrimitiveGeometry::Sphere { radius, .. } => Some(*radius),
+        _ => Ellipsoid::of(geometry).map(|e| e.curvature_radius(surface.position)),
+    };
+    let cos = surface.wo.z.max(1e-6);
+    1.0 + radius.map_or(0.0, |radius| 2.0 * t / (radius * cos))
 }
 
 /// Notes what a camera ray met.
@@ -109,7 +112,7 @@ pub fn follow_camera_ray(
             return None;
         }
         let geometry = &world.primitives[hit.primitive as usize].geometry;
-        sample.conditions.spread *= spread(geometry, hit.t, surface.wo.z);
+        sample.conditions.spread *= spread(geometry, hit.t, &surface);
         let transmitted = next.way == Way::Transmitted;
         ray = ray_onwards(&surface, next.wi, transmitted);
         if world.has_shading_normals(hit.primitive as usize)

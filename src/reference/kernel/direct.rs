@@ -5,7 +5,7 @@
 //! estimated by light sampling, by BSDF sampling, or by both with the power heuristic.
 
 use super::camera::camera_ray;
-use super::camera_path::follow_camera_ray;
+use super::camera_path::{LitSurface, follow_camera_ray};
 use super::filter::film_point;
 use super::sample::Sample;
 use super::shadow_rays::{LightNumbers, ShadowRays};
@@ -28,6 +28,7 @@ use crate::reference::core::sampler::{
 };
 use crate::reference::light::alias_table::Choice;
 use crate::reference::light::area_light::LightSample;
+use crate::reference::light::ellipsoid::Ellipsoid;
 use crate::reference::light::light::{choose_light, own_samples, sample_chosen_light};
 use crate::reference::light::opacity::light_opacity;
 use crate::reference::light::tree::choose_tree_light;
@@ -145,7 +146,7 @@ impl<'a> Direct<'a> {
         let s = lit.surface;
         let light_words = self.numbers.group(id, GROUP_LIGHT);
         let direction_words = self.numbers.group(id, GROUP_DIRECTION);
-        sample.conditions.normal_rounding = self.normal_rounding(lit.primitive);
+        sample.conditions.normal_rounding = self.normal_rounding(&lit);
         sample.conditions.alpha = s
             .material
             .specular
@@ -164,9 +165,10 @@ impl<'a> Direct<'a> {
         sample
     }
 
-    /// 2⁻²⁴ of the primitive's coordinates over its shortest height.
-    fn normal_rounding(&self, primitive: u32) -> f64 {
-        match self.world.primitives[primitive as usize].geometry {
+    /// 2⁻²⁴ of the primitive's coordinates over its shortest height, or radius of curvature.
+    fn normal_rounding(&self, lit: &LitSurface) -> f64 {
+        let geometry = &self.world.primitives[lit.primitive as usize].geometry;
+        match *geometry {
             PrimitiveGeometry::Triangle { a, u, v }
             | PrimitiveGeometry::Rectangle { a, u, v }
             | PrimitiveGeometry::Disk { a, u, v } => {
@@ -176,6 +178,11 @@ impl<'a> Direct<'a> {
             }
             PrimitiveGeometry::Sphere { center, radius } => {
                 (-24_f64).exp2() * (max_abs(center) + radius) / radius
+            }
+            PrimitiveGeometry::Ellipsoid { .. } => {
+                let ellipsoid = Ellipsoid::of(geometry).expect("the geometry is an ellipsoid");
+                let radius = ellipsoid.curvature_radius(lit.surface.position);
+                (-24_f64).exp2() * ellipsoid.extent() / radius
             }
         }
     }

@@ -48,7 +48,7 @@ pub struct Conditions {
     pub bsdf_cos_surface: f64,
     /// Cosine at the light that it met.
     pub bsdf_cos_light: f64,
-    /// Distance to that light over its radius where it is a sphere, else 0: an angle moves the cosine by so much over
+    /// Distance to that light over its radius of curvature where it is a sphere or an ellipsoid, else 0: an angle moves the cosine by so much over
     /// the cosine itself.
     pub bsdf_light_curvature: f64,
     /// GGX width of the surface.

@@ -1,6 +1,7 @@
 //! Sampling of lights with a surface: uniformly over its area, or over the solid angle in which a point sees it.
 
 use super::disk::{pdf_disk_area, sample_disk_area};
+use super::ellipsoid::{Ellipsoid, EllipsoidView, pdf_ellipsoid_area, view_ellipsoid};
 use super::emission::{emission_factor, emission_map, invert_light_area, pdf_emission};
 use super::polygon::{ProjectedPolygon, project_polygon, sample_projected_polygon};
 use super::rectangle::{
@@ -22,9 +23,11 @@ use crate::emitters::{EmissionMap, Emitter, Selection};
 use crate::reference::bsdf::lambert::{pdf_lambert, sample_lambert};
 use crate::reference::core::frame::{ShadingFrame, to_local, to_world};
 use crate::reference::core::math::max_abs;
+use crate::reference::core::octahedral::from_octahedral;
 use crate::reference::core::pdf::{
     PdfArea, PdfDiscrete, PdfSolidAngle, area_to_solid_angle, chosen,
 };
+use crate::reference::core::ray_ellipsoid::ellipsoid_normal;
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::surface::OFFSET;
 use glam::{DVec2, DVec3};
@@ -110,6 +113,8 @@ struct LightPoint {
     normal: DVec3,
     /// Size of the coordinates, for the offset.
     extent: f64,
+    /// Density there of points that are chosen by area.
+    pdf: PdfArea,
 }
 
 fn extent(geometry: &PrimitiveGeometry) -> f64 {
@@ -118,6 +123,7 @@ fn extent(geometry: &PrimitiveGeometry) -> f64 {
         | PrimitiveGeometry::Rectangle { a, u, v }
         | PrimitiveGeometry::Disk { a, u, v } => max_abs(a) + max_abs(u) + max_abs(v),
         PrimitiveGeometry::Sphere { center, radius } => max_abs(center) + radius,
+        PrimitiveGeometry::Ellipsoid { center, radii, .. } => max_abs(center) + radii.max_element(),
     }
 }
 
@@ -130,8 +136,21 @@ fn sample_light_area(geometry: &PrimitiveGeometry, u: DVec2) -> DVec2 {
     }
 }
 
-/// A point of the light, uniform over its area.
+/// The point of an ellipsoid that is the image of `p` on the unit sphere.
+fn ellipsoid_point(ellipsoid: &Ellipsoid, p: DVec3) -> LightPoint {
+    LightPoint {
+        position: ellipsoid.point(p),
+        normal: ellipsoid_normal(ellipsoid.axes, p),
+        extent: ellipsoid.extent(),
+        pdf: pdf_ellipsoid_area(ellipsoid, p),
+    }
+}
+
+/// A point of the light, uniform over its area; of an ellipsoid, over that of the unit sphere.
 fn sample_area(geometry: &PrimitiveGeometry, u: DVec2) -> LightPoint {
+    if let Some(ellipsoid) = Ellipsoid::of(geometry) {
+        return ellipsoid_point(&ellipsoid, sample_sphere_area(u));
+    }
     let (position, normal) = match *geometry {
         PrimitiveGeometry::Triangle { a, u: e1, v: e2 }
         | PrimitiveGeometry::Rectangle { a, u: e1, v: e2 }
@@ -143,22 +162,29 @@ fn sample_area(geometry: &PrimitiveGeometry, u: DVec2) -> LightPoint {
             let normal = sample_sphere_area(u);
             (center + radius * normal, normal)
         }
+        PrimitiveGeometry::Ellipsoid { .. } => unreachable!("an ellipsoid has points of its own"),
     };
     LightPoint {
         position,
         normal,
         extent: extent(geometry),
+        pdf: pdf_area(geometry, DVec2::ZERO),
     }
 }
 
-/// Density of [`sample_area`].
-fn pdf_area(geometry: &PrimitiveGeometry) -> PdfArea {
+/// Density of [`sample_area`] at the light's coordinates `st`.
+fn pdf_area(geometry: &PrimitiveGeometry, st: DVec2) -> PdfArea {
+    if let Some(ellipsoid) = Ellipsoid::of(geometry) {
+        return pdf_ellipsoid_area(&ellipsoid, from_octahedral(st).normalize());
+    }
     let area = geometry.area();
     match geometry {
         PrimitiveGeometry::Triangle { .. } => pdf_triangle_area(area),
         PrimitiveGeometry::Rectangle { .. } => pdf_rectangle_area(area),
         PrimitiveGeometry::Disk { .. } => pdf_disk_area(area),
-        PrimitiveGeometry::Sphere { .. } => pdf_sphere_area(area),
+        PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => {
+            pdf_sphere_area(area)
+        }
     }
 }
 
@@ -168,14 +194,18 @@ fn sample_sphere_from_within(frame: &ShadingFrame, u: DVec2) -> (DVec3, PdfSolid
     (to_world(frame, local), pdf_lambert(local.z))
 }
 
-/// Whether `x` is within the light or on it, a sphere that is sampled over its solid angle.
+/// Whether `x` is within the light or on it, a sphere or an ellipsoid that is sampled over its solid angle.
 fn is_within(light: &AreaLight, x: DVec3) -> bool {
-    match light.geometry {
-        PrimitiveGeometry::Sphere { center, radius } => {
-            light.by_solid_angle && within_sphere(center, radius, x)
-        }
-        _ => false,
-    }
+    let within = match light.geometry {
+        PrimitiveGeometry::Sphere { center, radius } => within_sphere(center, radius, x),
+        _ => seen_ellipsoid(&light.geometry, x).is_some_and(|seen| seen.within),
+    };
+    light.by_solid_angle && within
+}
+
+/// How `x` sees an ellipsoid; `None` for another kind.
+fn seen_ellipsoid(geometry: &PrimitiveGeometry, x: DVec3) -> Option<EllipsoidView> {
+    Ellipsoid::of(geometry).map(|ellipsoid| view_ellipsoid(ellipsoid, x))
 }
 
 /// 1 − cosθ of the cone in which `x` sees a sphere; `None` from within, and where the cone is too narrow.
@@ -187,9 +217,13 @@ fn sphere_cone(center: DVec3, radius: f64, x: DVec3) -> Option<f64> {
     Some(k).filter(|k| TAU * k >= MIN_SOLID_ANGLE)
 }
 
-/// A direction towards the light, uniform over a solid angle, and that solid angle; `None` where it is too small to be
-/// sampled so, and within a sphere.
+/// A direction towards the light, uniform over a solid angle, and that solid angle (of an ellipsoid, one over the density);
+/// `None` where it is too small to be sampled so, and within a sphere.
 fn sample_direction(geometry: &PrimitiveGeometry, x: DVec3, u: DVec2) -> Option<(DVec3, f64)> {
+    if let Some(seen) = seen_ellipsoid(geometry, x) {
+        let direction = seen.sample_direction(u);
+        return Some((direction, seen.inverse_direction_density(direction)?));
+    }
     let (direction, solid_angle) = match *geometry {
         PrimitiveGeometry::Triangle { a, u: e1, v: e2 } => {
             let t = spherical_triangle(x, a, e1, e2);
@@ -208,6 +242,7 @@ fn sample_direction(geometry: &PrimitiveGeometry, x: DVec3, u: DVec2) -> Option<
             let k = sphere_cone(center, radius, x)?;
             (sample_cone((center - x).normalize(), k, u).0, TAU * k)
         }
+        PrimitiveGeometry::Ellipsoid { .. } => unreachable!("an ellipsoid has a way of its own"),
     };
     (solid_angle >= MIN_SOLID_ANGLE).then_some((direction, solid_angle))
 }
@@ -232,7 +267,9 @@ fn projected(light: &AreaLight, x: DVec3, frame: &ShadingFrame) -> Option<Projec
     let vertices = match light.geometry {
         PrimitiveGeometry::Triangle { a, u, v } => vec![a, a + u, a + v],
         PrimitiveGeometry::Rectangle { a, u, v } => vec![a, a + u, a + u + v, a + v],
-        PrimitiveGeometry::Disk { .. } | PrimitiveGeometry::Sphere { .. } => return None,
+        PrimitiveGeometry::Disk { .. }
+        | PrimitiveGeometry::Sphere { .. }
+        | PrimitiveGeometry::Ellipsoid { .. } => return None,
     };
     let local: Vec<DVec3> = vertices.iter().map(|p| to_local(frame, p - x)).collect();
     Some(project_polygon(&local)).filter(|p| light.projected && p.area >= MIN_PROJECTED)
@@ -240,6 +277,10 @@ fn projected(light: &AreaLight, x: DVec3, frame: &ShadingFrame) -> Option<Projec
 
 /// Where the ray from `x` in direction `wi` meets the light.
 fn point_in_direction(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> Option<LightPoint> {
+    if let Some(seen) = seen_ellipsoid(geometry, x) {
+        let p = seen.point_in_direction(wi)?;
+        return Some(ellipsoid_point(&seen.ellipsoid, p));
+    }
     let (position, normal) = match *geometry {
         PrimitiveGeometry::Triangle { a, u, v }
         | PrimitiveGeometry::Rectangle { a, u, v }
@@ -270,11 +311,13 @@ fn point_in_direction(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> Opti
             let normal = (x + t * wi - center).normalize();
             (center + radius * normal, normal)
         }
+        PrimitiveGeometry::Ellipsoid { .. } => unreachable!("an ellipsoid has points of its own"),
     };
     Some(LightPoint {
         position,
         normal,
         extent: extent(geometry),
+        pdf: pdf_area(geometry, DVec2::ZERO),
     })
 }
 
@@ -309,7 +352,6 @@ pub fn sample_area_light(
     u: DVec2,
 ) -> LightSample {
     let direction = sample_by_direction(light, x, frame, u);
-    let on_light = pdf_area(&light.geometry);
     let (point, wi, pdf) = match direction {
         Some((wi, pdf)) => {
             let point = point_in_direction(&light.geometry, x, wi);
@@ -326,6 +368,7 @@ pub fn sample_area_light(
             (point, wi, None)
         }
     };
+    let on_light = point.pdf;
     light_sample(light, choice, (x, wi), point, (pdf, on_light))
 }
 
@@ -347,7 +390,7 @@ pub fn sample_textured_light(
         radiance: light.radiance * emission_factor(world, map, st),
         ..*light
     };
-    let on_light = PdfArea(on_square.0 * pdf_area(&light.geometry).0);
+    let on_light = PdfArea(on_square.0 * point.pdf.0);
     light_sample(&here, choice, (x, wi), point, (None, on_light))
 }
 
@@ -413,7 +456,7 @@ pub fn pdf_light_area(
         Some(map) => pdf_emission(map, invert_light_area(&geometry, st)),
         None => PdfArea(1.0),
     };
-    let on_light = PdfArea(on_square.0 * pdf_area(&geometry).0);
+    let on_light = PdfArea(on_square.0 * pdf_area(&geometry, st).0);
     (pdf_light(world, light, x, frame.z), on_light)
 }
 
@@ -443,12 +486,15 @@ pub fn pdf_area_light(
         return chosen(selection, pdf_lambert(frame.z.dot(wi)));
     }
     let sampled = if light.by_solid_angle {
-        sample_direction(&light.geometry, x, DVec2::ZERO)
+        match seen_ellipsoid(&light.geometry, x) {
+            Some(seen) => seen.inverse_direction_density(wi),
+            None => sample_direction(&light.geometry, x, DVec2::ZERO).map(|(_, angle)| angle),
+        }
     } else {
         None
     };
     let pdf = match sampled {
-        Some((_, solid_angle)) => pdf_uniform_solid_angle(solid_angle),
+        Some(solid_angle) => pdf_uniform_solid_angle(solid_angle),
         None => area_to_solid_angle(on_light, distance_squared, cos_light),
     };
     chosen(selection, pdf)

@@ -7,6 +7,7 @@
 pub mod alias_table;
 pub mod area_light;
 pub mod disk;
+pub mod ellipsoid;
 pub mod emission;
 pub mod environment;
 pub mod light;

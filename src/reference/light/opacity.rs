@@ -25,7 +25,7 @@ pub fn light_opacity(world: &World<'_>, index: u32, x: DVec3, wi: DVec3) -> f64 
         PrimitiveGeometry::Triangle { a, u, v }
         | PrimitiveGeometry::Rectangle { a, u, v }
         | PrimitiveGeometry::Disk { a, u, v } => intersect_rectangle(&ray, a, u, v).st,
-        PrimitiveGeometry::Sphere { .. } => DVec2::ZERO,
+        PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => DVec2::ZERO,
     };
     opacity_at(world, p, st)
 }

@@ -10,6 +10,8 @@ use crate::accel::PrimitiveGeometry;
 use crate::reference::core::frame::{ShadingFrame, frame_from_normal, to_local};
 use crate::reference::core::math::max_abs;
 use crate::reference::core::ray::{Hit, Ray};
+use crate::reference::core::ray_ellipsoid::ellipsoid_normal;
+use crate::reference::light::ellipsoid::Ellipsoid;
 use crate::scene::material::BsdfParameters;
 use crate::scene::texture::TexturedFactors;
 use glam::{DVec2, DVec3};
@@ -97,6 +99,23 @@ fn shading_at(
     shading
 }
 
+/// Position, edges (none) and normal, and size of the coordinates where `ray` met an ellipsoid at `hit`.
+fn ellipsoid_surface(
+    geometry: &PrimitiveGeometry,
+    ray: &Ray,
+    hit: &Hit,
+) -> (DVec3, [DVec3; 3], f64) {
+    let ellipsoid = Ellipsoid::of(geometry).expect("the geometry is an ellipsoid");
+    let on_ray = ray.origin + hit.t * ray.direction;
+    let on_sphere = (ellipsoid.axes.inverse() * (on_ray - ellipsoid.center)).normalize();
+    let normal = ellipsoid_normal(ellipsoid.axes, on_sphere);
+    (
+        ellipsoid.point(on_sphere),
+        [DVec3::ZERO, DVec3::ZERO, normal],
+        ellipsoid.extent(),
+    )
+}
+
 /// The surface that `ray` met at `hit`, seen from `wo`.
 pub fn surface_at(world: &World<'_>, ray: &Ray, hit: &Hit, wo: DVec3) -> Surface {
     let p = &world.primitives[hit.primitive as usize];
@@ -117,8 +136,12 @@ pub fn surface_at(world: &World<'_>, ray: &Ray, hit: &Hit, wo: DVec3) -> Surface
                 extent,
             )
         }
+        PrimitiveGeometry::Ellipsoid { .. } => ellipsoid_surface(&p.geometry, ray, hit),
     };
-    let flat = !matches!(p.geometry, PrimitiveGeometry::Sphere { .. });
+    let flat = !matches!(
+        p.geometry,
+        PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. }
+    );
     let front = normal.dot(wo) >= 0.0;
     let side = if front { 1.0 } else { -1.0 };
     let facing = side * normal;

@@ -3,12 +3,15 @@
 use super::fetch::{Primitive, World};
 use super::opacity::{CROSSING_FIRST, CROSSING_SECOND, Crossings, opacity_at};
 use crate::accel::PrimitiveGeometry;
+use crate::accel::octahedral::octahedral;
 use crate::reference::core::bvh::{Aabb, Children, enter_box};
 use crate::reference::core::ray::{Hit, Ray};
+use crate::reference::core::ray_ellipsoid::intersect_ellipsoid;
 use crate::reference::core::ray_planar::{
     PlanarHit, intersect_disk, intersect_rectangle, intersect_triangle,
 };
 use crate::reference::core::ray_sphere::intersect_sphere;
+use crate::reference::light::ellipsoid::Ellipsoid;
 use glam::DVec2;
 
 /// Nodes that wait for their turn: room for all of them in most scenes.
@@ -24,14 +27,26 @@ pub fn intersect_primitive(ray: &Ray, p: &Primitive, t_max: f64) -> Option<(f64,
         PrimitiveGeometry::Triangle { a, u, v } => planar(intersect_triangle(ray, a, u, v)),
         PrimitiveGeometry::Rectangle { a, u, v } => planar(intersect_rectangle(ray, a, u, v)),
         PrimitiveGeometry::Disk { a, u, v } => planar(intersect_disk(ray, a, u, v)),
-        PrimitiveGeometry::Sphere { center, radius } => {
-            let (near, far) = intersect_sphere(ray, center, radius)?;
-            let enters = near > 0.0;
-            let t = if enters { near } else { far };
+        PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => {
+            let [near, far] = crossings_of(ray, &p.geometry)?;
+            let enters = near.0 > 0.0;
+            let (t, st) = if enters { near } else { far };
             let visible = t > 0.0 && t < t_max && (enters || !p.one_sided);
-            visible.then_some((t, DVec2::ZERO))
+            visible.then_some((t, st))
         }
     }
+}
+
+/// Ray parameters and coordinates where the ray's line enters and leaves a sphere or an ellipsoid; `None` where it misses,
+/// and for planar primitives.
+fn crossings_of(ray: &Ray, geometry: &PrimitiveGeometry) -> Option<[(f64, DVec2); 2]> {
+    if let PrimitiveGeometry::Sphere { center, radius } = *geometry {
+        let (near, far) = intersect_sphere(ray, center, radius)?;
+        return Some([(near, DVec2::ZERO), (far, DVec2::ZERO)]);
+    }
+    let ellipsoid = Ellipsoid::of(geometry)?;
+    let (near, far) = intersect_ellipsoid(ray, ellipsoid.center, ellipsoid.axes)?;
+    Some([near, far].map(|(t, p)| (t, octahedral(p))))
 }
 
 /// Where primitive `index` stops the ray in (0, t_max): one without an opacity wherever it is met.
@@ -48,20 +63,19 @@ pub fn stop_at_primitive(
         return Some(met);
     }
     let alpha = opacity_at(world, p, met.1);
-    let PrimitiveGeometry::Sphere { center, radius } = p.geometry else {
+    let Some([near, far]) = crossings_of(ray, &p.geometry) else {
         let stopped = crossings.is_stopped(alpha, index, CROSSING_FIRST);
         return stopped.then_some(met);
     };
-    let (near, far) = intersect_sphere(ray, center, radius)?;
     let met = [
         (near, CROSSING_FIRST, true),
         (far, CROSSING_SECOND, !p.one_sided),
     ];
     let mut met = met.into_iter();
-    let stop = met.find(|&(t, crossing, exists)| {
+    let stop = met.find(|&((t, _), crossing, exists)| {
         exists && t > 0.0 && t < t_max && crossings.is_stopped(alpha, index, crossing)
     });
-    stop.map(|(t, ..)| (t, DVec2::ZERO))
+    stop.map(|(at, ..)| at)
 }
 
 /// Walks the hierarchy for the nearest intersection with parameter in (0, t_max), or for any.

@@ -147,6 +147,14 @@ fn for_each_area(geometry: &Geometry, mut f: impl FnMut(DVec3)) {
                 f(-axis * disk);
             }
         }
+        Geometry::Ellipsoid { axes, .. } => {
+            let [x, y, z] = [0, 1, 2].map(|i| axes.row(i));
+            let outlines = [y.cross(z), z.cross(x), x.cross(y)].map(DVec3::length);
+            for (axis, outline) in DVec3::AXES.into_iter().zip(outlines) {
+                f(axis * std::f64::consts::PI * outline);
+                f(-axis * std::f64::consts::PI * outline);
+            }
+        }
         Geometry::Mesh(mesh) => {
             for triangle in &mesh.triangles {
                 let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);

@@ -17,11 +17,6 @@ pub(super) enum TransformProblem {
         /// Its determinant.
         determinant: f64,
     },
-    /// It makes an ellipsoid of a sphere.
-    NotUniform {
-        /// Lengths of the images of the axes.
-        scale: DVec3,
-    },
 }
 
 impl TransformProblem {
@@ -35,13 +30,6 @@ impl TransformProblem {
             Self::Singular { determinant } => (
                 format!("the transform is singular (its determinant is {determinant:e})"),
                 "a transform that does not flatten space; no scale may be 0",
-            ),
-            Self::NotUniform { scale } => (
-                format!(
-                    "a sphere under a non-uniform scale ({}, {}, {}) is an ellipsoid",
-                    scale.x, scale.y, scale.z
-                ),
-                "the same scale along all axes",
             ),
         }
     }
@@ -69,10 +57,7 @@ pub(super) fn mirrors(transform: &DAffine3) -> bool {
 }
 
 /// `geometry` moved by `transform`, which [`check`] has accepted.
-pub(super) fn apply(
-    transform: &DAffine3,
-    geometry: Geometry,
-) -> Result<Geometry, TransformProblem> {
+pub(super) fn apply(transform: &DAffine3, geometry: Geometry) -> Geometry {
     let point = |p: DVec3| transform.transform_point3(p);
     let edges = |u: DVec3, v: DVec3| {
         let (u, v) = (
@@ -81,7 +66,7 @@ pub(super) fn apply(
         );
         if mirrors(transform) { (v, u) } else { (u, v) }
     };
-    Ok(match geometry {
+    match geometry {
         Geometry::Rectangle { corner, u, v } => {
             let (u, v) = edges(u, v);
             let corner = point(corner);
@@ -92,12 +77,25 @@ pub(super) fn apply(
             let center = point(center);
             Geometry::Disk { center, u, v }
         }
-        Geometry::Sphere { center, radius } => Geometry::Sphere {
+        Geometry::Sphere { center, radius } => {
+            let center = point(center);
+            match uniform_scale(&transform.matrix3) {
+                Some(scale) => Geometry::Sphere {
+                    center,
+                    radius: radius * scale,
+                },
+                None => Geometry::Ellipsoid {
+                    center,
+                    axes: transform.matrix3 * radius,
+                },
+            }
+        }
+        Geometry::Ellipsoid { center, axes } => Geometry::Ellipsoid {
             center: point(center),
-            radius: radius * uniform_scale(&transform.matrix3)?,
+            axes: transform.matrix3 * axes,
         },
         Geometry::Mesh(mesh) => Geometry::Mesh(apply_to_mesh(transform, mesh)),
-    })
+    }
 }
 
 fn apply_to_mesh(transform: &DAffine3, mut mesh: Mesh) -> Mesh {
@@ -131,19 +129,15 @@ pub(super) fn normal_matrix(m: &DMat3) -> DMat3 {
     }
 }
 
-/// The factor of a similarity; rotations written in decimals are off by about 1e-7.
-fn uniform_scale(m: &DMat3) -> Result<f64, TransformProblem> {
+/// The factor of a similarity, `None` for another map; rotations written in decimals are off by about 1e-7.
+fn uniform_scale(m: &DMat3) -> Option<f64> {
     let scale = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
     let tolerance = 1e-5;
     let same_length = scale.max_element() - scale.min_element() <= tolerance * scale.max_element();
     let orthogonal = m.x_axis.dot(m.y_axis).abs() <= tolerance * scale.x * scale.y
         && m.y_axis.dot(m.z_axis).abs() <= tolerance * scale.y * scale.z
         && m.z_axis.dot(m.x_axis).abs() <= tolerance * scale.z * scale.x;
-    if same_length && orthogonal {
-        Ok(m.determinant().abs().cbrt())
-    } else {
-        Err(TransformProblem::NotUniform { scale })
-    }
+    (same_length && orthogonal).then(|| m.determinant().abs().cbrt())
 }
 
 /// Two vectors that make a right-handed frame with the unit vector `normal`: `u × v = normal`.
@@ -166,7 +160,9 @@ mod tests {
                 let [a, b, c] = mesh.triangles[0].map(|i| mesh.positions[i as usize]);
                 (b - a).cross(c - a).normalize()
             }
-            Geometry::Sphere { .. } => panic!("a sphere has no single normal"),
+            Geometry::Sphere { .. } | Geometry::Ellipsoid { .. } => {
+                panic!("a curved surface has no single normal")
+            }
         }
     }
 
@@ -205,7 +201,7 @@ mod tests {
         for transform in transforms {
             let expected = (transform.matrix3.inverse().transpose() * DVec3::Z).normalize();
             for shape in flat_shapes() {
-                let moved = apply(&transform, shape).expect("no sphere, so every transform fits");
+                let moved = apply(&transform, shape);
                 assert!(
                     normal_of(&moved).distance(expected) < 1e-12,
                     "{moved:?} under {transform:?}"
@@ -215,23 +211,31 @@ mod tests {
     }
 
     #[test]
-    fn a_sphere_keeps_its_shape_or_is_refused() {
+    fn a_sphere_keeps_its_shape_or_becomes_an_ellipsoid() {
         let sphere = || Geometry::Sphere {
             center: DVec3::X,
             radius: 2.0,
         };
         let mirrored = DAffine3::from_scale(DVec3::new(-3.0, 3.0, 3.0));
-        let Ok(Geometry::Sphere { center, radius }) = apply(&mirrored, sphere()) else {
+        let Geometry::Sphere { center, radius } = apply(&mirrored, sphere()) else {
             panic!("a mirrored uniform scale keeps a sphere");
         };
         assert!((radius - 6.0).abs() < 1e-12);
         assert!(center.distance(DVec3::new(-3.0, 0.0, 0.0)) < 1e-12);
 
-        let squashed = DAffine3::from_scale(DVec3::new(1.0, 1.0, 1.1));
-        assert!(matches!(
-            apply(&squashed, sphere()),
-            Err(TransformProblem::NotUniform { .. })
-        ));
+        let squashed = DAffine3::from_scale_rotation_translation(
+            DVec3::new(1.0, -1.0, 1.1),
+            DQuat::from_rotation_z(0.3),
+            DVec3::Y,
+        );
+        let Geometry::Ellipsoid { center, axes } = apply(&squashed, sphere()) else {
+            panic!("a non-uniform scale makes an ellipsoid");
+        };
+        assert_eq!(center, squashed.transform_point3(DVec3::X));
+        for p in [DVec3::X, DVec3::Y, DVec3::Z] {
+            let image = squashed.transform_point3(DVec3::X + 2.0 * p);
+            assert!((center + axes * p).distance(image) < 1e-15);
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What is legal but probably not meant.
 
+use crate::scene::ellipsoid::half_extent;
 use crate::scene::normalize::Normalization;
 use crate::scene::{EnvironmentRadiance, Geometry, Light, Scene, Shape};
 use glam::DVec3;
@@ -118,6 +119,7 @@ fn size(geometry: &Geometry) -> f64 {
         Geometry::Rectangle { u, v, .. } => u.length().max(v.length()),
         Geometry::Disk { u, v, .. } => 2.0 * u.length().max(v.length()),
         Geometry::Sphere { radius, .. } => 2.0 * radius,
+        Geometry::Ellipsoid { axes, .. } => 2.0 * half_extent(*axes).max_element(),
         Geometry::Mesh(mesh) => {
             let positions = || mesh.positions.iter();
             let low = positions().fold(DVec3::INFINITY, |low, p| low.min(*p));
@@ -130,8 +132,13 @@ fn size(geometry: &Geometry) -> f64 {
 /// Spheres whose surface is near, while their middle is so far that f32 cannot tell where the surface is.
 fn coarse_spheres(scene: &Scene, normalization: &Normalization) -> Vec<String> {
     let spheres = scene.shapes.iter().filter_map(|shape| {
-        let Geometry::Sphere { center, radius } = shape.geometry else {
-            return None;
+        let (center, radius, field) = match shape.geometry {
+            Geometry::Sphere { center, radius } => (center, radius, "radius"),
+            Geometry::Ellipsoid { center, axes } => {
+                let to_view = (normalization.center - center).normalize_or(DVec3::X);
+                (center, (axes.inverse() * to_view).length().recip(), "transform")
+            }
+            _ => return None,
         };
         let middle = (center - normalization.center).length();
         let near = normalization.radius / normalization.scale;
@@ -139,7 +146,7 @@ fn coarse_spheres(scene: &Scene, normalization: &Normalization) -> Vec<String> {
         let coarseness = (middle + radius) / distance;
         (coarseness > MAX_COARSENESS).then(|| {
             format!(
-                "{}.radius: is {radius:e}, {coarseness:.0e} times what is in view there, which 32-bit coordinates do not resolve: \
+                "{}.{field}: its half axis is {radius:e}, {coarseness:.0e} times what is in view there, which 32-bit coordinates do not resolve: \
                  its light and shadows will be wrong; a smaller sphere, a disk or a mesh is needed",
                 shape.field()
             )

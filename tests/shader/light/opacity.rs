@@ -9,7 +9,7 @@ use direkt::reference::scene::fetch::World;
 use direkt::render::Prepared;
 use direkt::scene::light::Interpolation;
 use direkt::scene::{Emission, Geometry, LightSelection, MaterialId, Opacity, Scene, Strategy};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 /// The veil of a texture as a light, a disk and a triangle of the same material, a sphere of opacity 0.3 and a light
 /// without an opacity.
@@ -65,6 +65,13 @@ fn lights() -> Scene {
         },
         sphere,
     );
+    add(
+        Geometry::Ellipsoid {
+            center: DVec3::new(-8.0, 0.0, 0.0),
+            axes: DMat3::from_diagonal(DVec3::new(1.0, 0.5, 0.8)),
+        },
+        sphere,
+    );
     for shape in &mut scene.shapes {
         shape.emission = Some(Emission {
             radiance: DVec3::ONE,
@@ -103,6 +110,7 @@ fn light_samples_find_the_twins_part() {
                 | Shape::Rectangle { a, u, v }
                 | Shape::Disk { a, u, v } => (a + s * u + t * v, u.cross(v).normalize()),
                 Shape::Sphere { center, radius } => (center + radius * DVec3::Z, DVec3::Z),
+                Shape::Ellipsoid { center, .. } => (center, DVec3::Z),
             };
             let x = y + 0.5 * normal + 0.2 * random.in_cube();
             let wi = (y - x).normalize();

@@ -7,6 +7,7 @@ use crate::support::{context, emitter, floor_pixel, point_light};
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::{Emitter, LightTree, Selection};
 use direkt::reference::core::pdf::PdfDiscrete;
+use direkt::reference::light::ellipsoid::Ellipsoid;
 use direkt::reference::light::tree::{
     TreeChild, TreeWalk, cosine_bound, decode_axis, decode_child, tree_importance,
 };
@@ -88,6 +89,11 @@ fn places(prepared: &Prepared, count: usize, seed: u32) -> Vec<(DVec3, DVec3)> {
                     | PrimitiveGeometry::Disk { a, u, v } => a + 0.3 * (u + v),
                     PrimitiveGeometry::Sphere { center, radius } => {
                         center + radius * random.direction()
+                    }
+                    PrimitiveGeometry::Ellipsoid { .. } => {
+                        let geometry = prepared.primitives[primitive as usize].geometry;
+                        let ellipsoid = Ellipsoid::of(&geometry).unwrap();
+                        ellipsoid.point(random.direction().normalize())
                     }
                 }
             }

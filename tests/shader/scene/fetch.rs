@@ -8,8 +8,9 @@ use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
 use direkt::gpu::layout::{
     FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK, KIND_DISK,
-    KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT,
-    LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, NONE, THIN_BIT,
+    KIND_ELLIPSOID, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
+    LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
+    NONE, THIN_BIT,
 };
 use direkt::reference::scene::fetch::World;
 use direkt::render::Prepared;
@@ -39,7 +40,7 @@ fn primitives_come_back() {
                 out_vec3f(0u, p.a); out_vec3f(3u, p.b); out_vec3f(6u, p.c);
                 out_u32(9u, p.kind); out_u32(10u, p.material); out_bool(11u, p.one_sided); out_u32(12u, p.light);";
     let answers = fetched(&prepared, body, 13, world.primitives.len());
-    let mut kinds = [0; 4];
+    let mut kinds = [0; 5];
     for (i, (p, source)) in world
         .primitives
         .iter()
@@ -56,6 +57,11 @@ fn primitives_come_back() {
                 DVec3::new(radius, 0.0, 0.0),
                 DVec3::ZERO,
             ),
+            PrimitiveGeometry::Ellipsoid {
+                center,
+                radii,
+                rodrigues,
+            } => (KIND_ELLIPSOID, center, radii, rodrigues),
         };
         kinds[kind as usize] += 1;
         for (word, expected) in [(0, a), (3, b), (6, c)] {
@@ -198,6 +204,11 @@ fn lights_come_back() {
                     PrimitiveGeometry::Sphere { center, radius } => {
                         (LIGHT_SPHERE, [center, along_x(radius), zero])
                     }
+                    PrimitiveGeometry::Ellipsoid {
+                        center,
+                        radii,
+                        rodrigues,
+                    } => (LIGHT_SPHERE, [center, radii, rodrigues]),
                 };
                 (kind, two_sided, geometry.area(), [a, u, v, radiance])
             }
@@ -247,7 +258,8 @@ fn lights_come_back() {
                 "light {i}, word {word}"
             );
         }
-        let skewed = matches!(kind, LIGHT_RECTANGLE | LIGHT_DISK);
+        let ellipsoid = kind == LIGHT_SPHERE && vectors[2] != zero;
+        let skewed = matches!(kind, LIGHT_RECTANGLE | LIGHT_DISK) || ellipsoid;
         let found = [12, 13, 16].map(|word| item(answers.u32(word), i));
         let expected = [kind, u32::from(two_sided), u32::from(skewed)];
         assert_eq!(found, expected, "light {i}");
@@ -255,5 +267,6 @@ fn lights_come_back() {
         let expected = [prepared.emitters.probability(i) as f32, area as f32];
         assert_eq!(numbers, expected, "light {i}");
     }
-    assert_eq!(kinds, [1; 8], "one of each kind");
+    let one_of_each_and_an_ellipsoid = [1, 1, 1, 2, 1, 1, 1, 1];
+    assert_eq!(kinds, one_of_each_and_an_ellipsoid);
 }

@@ -7,11 +7,14 @@ use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, shape};
 use direkt::accel::PrimitiveGeometry;
+use direkt::accel::octahedral::octahedral;
 use direkt::gpu::layout::NONE;
 use direkt::reference::core::frame::{frame_from_normal, to_world};
 use direkt::reference::core::math::max_abs;
 use direkt::reference::core::ray::{Hit, Ray};
+use direkt::reference::core::ray_ellipsoid::ellipsoid_normal;
 use direkt::reference::light::disk::sample_disk_area;
+use direkt::reference::light::ellipsoid::Ellipsoid;
 use direkt::reference::light::sphere::sample_sphere_area;
 use direkt::reference::light::triangle::sample_triangle_area;
 use direkt::reference::scene::fetch::World;
@@ -46,6 +49,11 @@ fn view(geometry: &PrimitiveGeometry, primitive: u32, k: u32) -> View {
             let n = sample_sphere_area(u);
             (center + radius * n, n, DVec2::ZERO)
         }
+        PrimitiveGeometry::Ellipsoid { .. } => {
+            let e = Ellipsoid::of(geometry).unwrap();
+            let p = sample_sphere_area(u);
+            (e.point(p), ellipsoid_normal(e.axes, p), octahedral(p))
+        }
     };
     let degrees = [0.0, 45.0, 80.0, 89.0, 89.9][k as usize / 2 % 5];
     let facing = if k.is_multiple_of(2) { normal } else { -normal };
@@ -70,7 +78,7 @@ fn view(geometry: &PrimitiveGeometry, primitive: u32, k: u32) -> View {
 }
 
 /// Size of the coordinates, and the rounding of the normal: 8 roundings over the sine between the edges for what is
-/// planar, over the radius for a sphere's point on the ray.
+/// planar, over the radius (of an ellipsoid, of curvature) for a point on the ray.
 fn size_and_normal_error(geometry: &PrimitiveGeometry, ray: &Ray, t: f64) -> (f64, f64) {
     match *geometry {
         PrimitiveGeometry::Triangle { a, u, v }
@@ -82,6 +90,15 @@ fn size_and_normal_error(geometry: &PrimitiveGeometry, ray: &Ray, t: f64) -> (f6
         }
         PrimitiveGeometry::Sphere { center, radius } => {
             let size = center.length() + radius;
+            (
+                size,
+                8.0 * U * (1.0 + (ray.origin.length() + t + size) / radius),
+            )
+        }
+        PrimitiveGeometry::Ellipsoid { .. } => {
+            let e = Ellipsoid::of(geometry).unwrap();
+            let radius = e.curvature_radius(ray.origin + t * ray.direction);
+            let size = e.center.length() + e.longest;
             (
                 size,
                 8.0 * U * (1.0 + (ray.origin.length() + t + size) / radius),
@@ -99,6 +116,14 @@ fn height(geometry: &PrimitiveGeometry, facing: DVec3, p: DVec3) -> f64 {
         PrimitiveGeometry::Sphere { center, radius } => {
             let outside = (p - center).length() - radius;
             outside * (p - center).dot(facing).signum()
+        }
+        PrimitiveGeometry::Ellipsoid { .. } => {
+            // To the first order: the distance in the sphere's space over its gradient.
+            let e = Ellipsoid::of(geometry).unwrap();
+            let q = e.axes.inverse() * (p - e.center);
+            let gradient = e.axes.inverse().transpose() * q.normalize();
+            let outside = (q.length() - 1.0) / gradient.length();
+            outside * gradient.dot(facing).signum()
         }
     }
 }

@@ -10,6 +10,8 @@ use direkt::accel::PrimitiveGeometry;
 use direkt::gpu::layout::NONE;
 use direkt::reference::Twin;
 use direkt::reference::core::ray::{Hit, Ray};
+use direkt::reference::core::ray_ellipsoid::ellipsoid_normal;
+use direkt::reference::light::ellipsoid::Ellipsoid;
 use direkt::reference::light::sphere::sample_sphere_area;
 use direkt::reference::scene::fetch::World;
 use direkt::reference::scene::opacity::Crossings;
@@ -66,6 +68,11 @@ fn t_bound(world: &World<'_>, ray: &Ray, hit: &Hit) -> f64 {
         }
         PrimitiveGeometry::Sphere { center, radius } => {
             ((at - center) / radius, center.length() + radius)
+        }
+        PrimitiveGeometry::Ellipsoid { .. } => {
+            let e = Ellipsoid::of(&world.primitives[hit.primitive as usize].geometry).unwrap();
+            let p = (e.axes.inverse() * (at - e.center)).normalize();
+            (ellipsoid_normal(e.axes, p), e.center.length() + e.longest)
         }
     };
     let cos = normal.dot(ray.direction).abs();
@@ -235,6 +242,9 @@ fn rays_through_every_kind_meet_what_the_twin_meets() {
             PrimitiveGeometry::Rectangle { a, u, v } => a + 0.3 * u + 0.8 * v,
             PrimitiveGeometry::Disk { a, u, v } => a + 0.3 * u - 0.7 * v,
             PrimitiveGeometry::Sphere { center, radius } => center + 0.2 * radius,
+            PrimitiveGeometry::Ellipsoid { center, radii, .. } => {
+                center + 0.2 * radii.min_element()
+            }
         };
         for k in 0..64 {
             let [u, v, ..] = numbers(i, k, 22);

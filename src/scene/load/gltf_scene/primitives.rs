@@ -130,8 +130,7 @@ impl<'a> Primitives<'a> {
                 String::new()
             };
             for Place { suffix, to_world } in &places {
-                let moved = transform::apply(to_world, Geometry::Mesh((*posed).clone()))
-                    .map_err(|p| transform_error(document, node, &p))?;
+                let moved = transform::apply(to_world, Geometry::Mesh((*posed).clone()));
                 let Geometry::Mesh(moved) = moved else {
                     unreachable!("a transformed mesh is a mesh")
                 };

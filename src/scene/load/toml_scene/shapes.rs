@@ -72,10 +72,7 @@ pub(super) fn all(
             let material = material
                 .unwrap_or_else(|| *default_material.get_or_insert_with(|| add_default(materials)));
             let emission = emission.or(part.emission);
-            let mut geometry = transform::apply(&to_world, part.geometry).map_err(|problem| {
-                let (problem, expected) = problem.describe();
-                context.error(format!("{field}.transform"), problem, expected)
-            })?;
+            let mut geometry = transform::apply(&to_world, part.geometry);
             if let Geometry::Mesh(mesh) = &mut geometry {
                 dropped += mesh::clean(mesh);
             }
@@ -128,7 +125,9 @@ fn check_coordinates(
     field: &str,
 ) -> Result<(), InputError> {
     let problem = match geometry {
-        Geometry::Sphere { .. } => "a sphere has no texture coordinates",
+        Geometry::Sphere { .. } | Geometry::Ellipsoid { .. } => {
+            "a sphere has no texture coordinates"
+        }
         Geometry::Mesh(mesh) if mesh.uvs.is_empty() => "the mesh has no texture coordinates",
         _ => return Ok(()),
     };

@@ -4,14 +4,17 @@ use super::{DRAWN, directions, facing_z, prepared, receivers};
 use crate::support::every_kind::{constant_environment, every_kind, with_right_angles};
 use crate::support::{context, histogram, statistics};
 use direkt::accel::PrimitiveGeometry;
+use direkt::accel::octahedral::octahedral;
 use direkt::emitters::Emitter;
 use direkt::reference::BrokenTwin;
 use direkt::reference::broken::BROKEN_TWINS;
 use direkt::reference::core::frame::{frame_from_normal, to_local};
 use direkt::reference::core::ray::Ray;
+use direkt::reference::core::ray_ellipsoid::ellipsoid_normal;
 use direkt::reference::core::ray_planar::intersect_rectangle;
 use direkt::reference::core::ray_sphere::intersect_sphere;
 use direkt::reference::light::area_light::pdf_area_light;
+use direkt::reference::light::ellipsoid::{Ellipsoid, view_ellipsoid};
 use direkt::reference::scene::fetch::World;
 use direkt::render::Prepared;
 use direkt::scene::{LightSampling, LightSelection, Strategy};
@@ -28,6 +31,8 @@ struct OnLight {
     d2: f64,
     /// Cosine at the light.
     cos: f64,
+    /// The light's coordinates, where its density depends on them.
+    st: DVec2,
 }
 
 impl OnLight {
@@ -69,6 +74,7 @@ fn on_light(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> OnLight {
                 area: normal.length() * jacobian,
                 d2: hit.t * hit.t,
                 cos: normal.normalize().dot(wi).abs(),
+                st: DVec2::ZERO,
             }
         }
         PrimitiveGeometry::Sphere { center, radius } => {
@@ -89,6 +95,30 @@ fn on_light(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> OnLight {
                 area: radius * radius * TAU * (1.0 - horizon),
                 d2: t * t,
                 cos: -normal.dot(wi),
+                st: DVec2::ZERO,
+            }
+        }
+        PrimitiveGeometry::Ellipsoid { .. } => {
+            // As on a sphere, in its space; areas are stretched by |det M| |M⁻ᵀp|.
+            let e = Ellipsoid::of(geometry).unwrap();
+            let seen = view_ellipsoid(e, x);
+            let d = (e.axes.inverse() * wi).normalize();
+            let off = seen.to_center - seen.to_center.dot(d) * d;
+            let chord = (1.0 - off.length_squared()).max(0.0).sqrt();
+            let p = (-off - chord * d).normalize();
+            let local = to_local(&frame_from_normal(-seen.to_center.normalize()), p);
+            let horizon = 1.0 / seen.to_center.length();
+            let at = DVec2::new(
+                (local.z - horizon) / (1.0 - horizon),
+                (local.y.atan2(local.x) / TAU).rem_euclid(1.0),
+            );
+            let stretch = e.axes.determinant().abs() * (e.axes.inverse().transpose() * p).length();
+            OnLight {
+                at,
+                area: stretch * TAU * (1.0 - horizon),
+                d2: (e.point(p) - x).length_squared(),
+                cos: -ellipsoid_normal(e.axes, p).dot(wi),
+                st: octahedral(p),
             }
         }
     }
@@ -111,6 +141,16 @@ fn towards(geometry: &PrimitiveGeometry, x: DVec3, p: DVec2) -> DVec3 {
             let (sin, cos) = (TAU * p.y).sin_cos();
             center + radius * (r * cos * f.x + r * sin * f.y + z * f.z)
         }
+        PrimitiveGeometry::Ellipsoid { .. } => {
+            let e = Ellipsoid::of(geometry).unwrap();
+            let towards_x = e.axes.inverse() * (x - e.center);
+            let f = frame_from_normal(towards_x.normalize());
+            let horizon = 1.0 / towards_x.length();
+            let z = horizon + p.x * (1.0 - horizon);
+            let r = (1.0 - z * z).max(0.0).sqrt();
+            let (sin, cos) = (TAU * p.y).sin_cos();
+            e.point(r * cos * f.x + r * sin * f.y + z * f.z)
+        }
     };
     (point - x).normalize()
 }
@@ -120,7 +160,7 @@ fn towards(geometry: &PrimitiveGeometry, x: DVec3, p: DVec2) -> DVec3 {
 #[test]
 fn directions_towards_area_lights_match_pdf() {
     let prepared = prepared(constant_environment(), LightSampling::Area);
-    assert_eq!(directions_match_pdf(&prepared), 8, "four kinds");
+    assert_eq!(directions_match_pdf(&prepared), 10, "five kinds");
 }
 
 /// The same where lights are sampled over their solid angles, in one way if they have right angles, in another if not.
@@ -130,7 +170,7 @@ fn directions_over_solid_angles_match_pdf() {
     scene.render.light_sampling = LightSampling::SolidAngle;
     let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
     let tested = directions_match_pdf(&prepared);
-    assert_eq!(tested, 12, "four kinds, two of them in two ways");
+    assert_eq!(tested, 14, "five kinds, two of them in two ways");
 }
 
 /// How many lights were tested, from two points each.
@@ -168,7 +208,7 @@ fn directions_match_pdf(prepared: &Prepared) -> usize {
                 let wi = towards(geometry, x, p);
                 let hit = on_light(geometry, x, wi);
                 let from = (x, &facing_z());
-                let pdf = pdf_area_light(&world, index, from, wi, (hit.d2, hit.cos, DVec2::ZERO)).0
+                let pdf = pdf_area_light(&world, index, from, wi, (hit.d2, hit.cos, hit.st)).0
                     / selection;
                 all * pdf * hit.solid_angle() * hit.cos.powf(cosines)
             };

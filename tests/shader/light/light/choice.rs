@@ -68,7 +68,7 @@ fn lights_are_chosen_as_by_the_twin() {
 #[test]
 fn several_rays_multiply_the_density() {
     let context = context();
-    let count = every_kind(constant_environment()).lights.len() + 5;
+    let count = every_kind(constant_environment()).lights.len() + 6;
     for (selection, body) in [
         (
             LightSelection::Power,

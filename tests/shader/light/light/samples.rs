@@ -11,6 +11,7 @@ use direkt::emitters::Emitter;
 use direkt::gpu::Context;
 use direkt::reference::core::pdf::PdfDiscrete;
 use direkt::reference::light::alias_table::Choice;
+use direkt::reference::light::ellipsoid::Ellipsoid;
 use direkt::reference::light::light::{environment_cell_margin, sample_chosen_light};
 use direkt::reference::scene::fetch::World;
 use direkt::render::Prepared;
@@ -249,13 +250,13 @@ fn claimed_densities_are_the_evaluated_ones() {
         // d/(r cosθ) times as much.
         let at_horizon = match light {
             Emitter::Area { primitive, .. } => {
-                match prepared.primitives[*primitive as usize].geometry {
-                    PrimitiveGeometry::Sphere { radius, .. } => {
-                        angle * (s.target_point - *x).length()
-                            / (radius * s.cos_light * s.cos_light)
-                    }
-                    _ => 0.0,
-                }
+                let geometry = &prepared.primitives[*primitive as usize].geometry;
+                let radius = match geometry {
+                    PrimitiveGeometry::Sphere { radius, .. } => Some(*radius),
+                    _ => Ellipsoid::of(geometry).map(|e| e.curvature_radius(s.target_point)),
+                };
+                let over = |r: f64| (s.target_point - *x).length() / (r * s.cos_light.powi(2));
+                radius.map_or(0.0, |r| angle * over(r))
             }
             _ => 0.0,
         };
