@@ -9,6 +9,7 @@ pub mod cubature;
 pub mod direct;
 pub mod disk;
 mod domain;
+pub mod ellipsoid;
 pub mod fresnel;
 pub mod ggx;
 pub mod lecture;
