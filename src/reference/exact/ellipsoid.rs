@@ -1,6 +1,6 @@
 //! Configuration factors F = E/(πL) of ellipsoids, and the areas of their outlines.
 
-use crate::scene::ellipsoid::{PrincipalAxes, half_extent, rotation};
+use crate::scene::ellipsoid::{PrincipalAxes, rotation};
 use glam::{DMat2, DMat3, DVec3};
 use std::f64::consts::PI;
 
@@ -75,6 +75,7 @@ mod tests {
     use super::super::sphere::sphere_factor;
     use super::*;
     use crate::reference::core::frame::frame_from_normal;
+    use crate::scene::ellipsoid::half_extent;
     use crate::scene::load::{LoadOptions, load};
     use crate::scene::{ExpectedRadiance, Geometry, Light, Scene};
 

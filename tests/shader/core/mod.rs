@@ -7,6 +7,7 @@ mod math;
 mod octahedral;
 mod pdf;
 mod ray;
+mod ray_ellipsoid;
 mod ray_planar;
 mod ray_sphere;
 mod rng;

@@ -7,6 +7,7 @@
 mod alias_table;
 mod area_light;
 mod disk;
+mod ellipsoid;
 mod emission;
 mod environment;
 mod light;
