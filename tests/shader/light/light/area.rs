@@ -2,7 +2,8 @@
 
 use super::{DRAWN, directions, facing_z, prepared, receivers};
 use crate::support::every_kind::{constant_environment, every_kind, with_right_angles};
-use crate::support::{context, histogram, statistics};
+use crate::support::random::rounded;
+use crate::support::{context, emitter, floor_pixel, histogram, statistics};
 use direkt::accel::PrimitiveGeometry;
 use direkt::accel::octahedral::octahedral;
 use direkt::emitters::Emitter;
@@ -17,8 +18,9 @@ use direkt::reference::light::area_light::pdf_area_light;
 use direkt::reference::light::ellipsoid::{Ellipsoid, view_ellipsoid};
 use direkt::reference::scene::fetch::World;
 use direkt::render::Prepared;
-use direkt::scene::{LightSampling, LightSelection, Strategy};
-use glam::{DVec2, DVec3};
+use direkt::scene::ellipsoid::rotation;
+use direkt::scene::{Geometry, LightSampling, LightSelection, Strategy};
+use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
 /// Where a direction meets an area light.
@@ -160,7 +162,8 @@ fn towards(geometry: &PrimitiveGeometry, x: DVec3, p: DVec2) -> DVec3 {
 #[test]
 fn directions_towards_area_lights_match_pdf() {
     let prepared = prepared(constant_environment(), LightSampling::Area);
-    assert_eq!(directions_match_pdf(&prepared), 10, "five kinds");
+    let tested = directions_match_pdf(&prepared, two_receivers);
+    assert_eq!(tested, 10, "five kinds");
 }
 
 /// The same where lights are sampled over their solid angles, in one way if they have right angles, in another if not.
@@ -169,12 +172,47 @@ fn directions_over_solid_angles_match_pdf() {
     let mut scene = with_right_angles(every_kind(constant_environment()));
     scene.render.light_sampling = LightSampling::SolidAngle;
     let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
-    let tested = directions_match_pdf(&prepared);
+    let tested = directions_match_pdf(&prepared, two_receivers);
     assert_eq!(tested, 14, "five kinds, two of them in two ways");
 }
 
-/// How many lights were tested, from two points each.
-fn directions_match_pdf(prepared: &Prepared) -> usize {
+/// Close to ellipsoids, that around their outlines a rectangle is sampled: a round one, a flat one and one like a disk.
+#[test]
+fn directions_towards_near_ellipsoids_match_pdf() {
+    let mut scene = floor_pixel();
+    for (i, radii) in (0_u8..).zip([[1.0, 0.7, 0.4], [1.0, 0.6, 0.05], [0.8, 1.0, 1e-4]]) {
+        let geometry = Geometry::Ellipsoid {
+            center: DVec3::new(3.0 * f64::from(i) - 3.0, 0.5, 3.0),
+            axes: rotation(DVec3::new(0.2, 0.1, -0.3)) * DMat3::from_diagonal(radii.into()),
+        };
+        scene.shapes.push(emitter(geometry, 1.0, false));
+    }
+    scene.render.light_sampling = LightSampling::SolidAngle;
+    let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
+    let near = |prepared: &Prepared, light: &Emitter| {
+        let Emitter::Area { primitive, .. } = *light else {
+            return Vec::new();
+        };
+        let e = Ellipsoid::of(&prepared.primitives[primitive as usize].geometry).unwrap();
+        let p = DVec3::new(0.4, -0.3, -0.87).normalize();
+        let x = rounded(e.point(p) + 0.3 * e.longest * ellipsoid_normal(e.axes, p));
+        assert!(!view_ellipsoid(e, x).narrow);
+        vec![x]
+    };
+    assert_eq!(directions_match_pdf(&prepared, near), 3);
+}
+
+fn two_receivers(prepared: &Prepared, light: &Emitter) -> Vec<DVec3> {
+    let mut all = receivers(prepared, light);
+    all.truncate(2);
+    all
+}
+
+/// How many lights were tested, from so many points each.
+fn directions_match_pdf(
+    prepared: &Prepared,
+    receivers: impl Fn(&Prepared, &Emitter) -> Vec<DVec3>,
+) -> usize {
     let context = context();
     let sampling = prepared.scene.render.light_sampling;
     let world = World::new(prepared);
@@ -184,7 +222,7 @@ fn directions_match_pdf(prepared: &Prepared) -> usize {
             continue;
         };
         let geometry = &prepared.primitives[primitive as usize].geometry;
-        for (k, x) in (0..).zip(receivers(prepared, light).into_iter().take(2)) {
+        for (k, x) in (0..).zip(receivers(prepared, light)) {
             tested += 1;
             let seed = 50 + 4 * index + k;
             let wis = directions(&context, prepared, index, x, seed);
