@@ -148,7 +148,7 @@ impl Check<'_> {
             || format!("{field}.transform"),
             || {
                 format!(
-                    "makes an ellipsoid with half axes of {}, {} and {}",
+                    "makes an ellipsoid with half axes of {:e}, {:e} and {:e}",
                     radii.x, radii.y, radii.z
                 )
             },

@@ -203,7 +203,7 @@ fn transforms() {
     );
     says(
         shape("type = \"sphere\"\ntransform = [{ scale = [1, 2, 1e-9] }]"),
-        "shapes[0].transform: makes an ellipsoid with half axes of 1, 2 and 0.000000001; expected half axes that differ by a factor of 1e9 at most; a disk has no thickness",
+        "shapes[0].transform: makes an ellipsoid with half axes of 1e0, 2e0 and 1e-9; expected half axes that differ by a factor of 1e9 at most; a disk has no thickness",
     );
     says(
         shape(

@@ -33,7 +33,8 @@ pub(super) enum ShapeKind {
     Rectangle(RectangleTable),
     /// The cube [-1, 1]³; or `min` and `max`. Its normals point outwards.
     Box(BoxTable),
-    /// The unit sphere; or `center` and `radius`. Its normal points outwards.
+    /// The unit sphere; or `center` and `radius`. Its normal points outwards. A transform that does not scale all axes alike
+    /// makes it an ellipsoid.
     Sphere(SphereTable),
     /// The unit disk in the xy plane with normal +z; or `center`, `normal` and `radius`.
     Disk(DiskTable),
