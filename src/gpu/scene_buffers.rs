@@ -4,9 +4,9 @@ use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::environment::EnvironmentBuffers;
 use super::layout::{
-    ATTRIBUTE_BITS, EMISSION_MASK, FILTER_WORDS, Frame, HAS_COLORS, HAS_NORMALS, HAS_OPACITY, HAS_UVS,
-    KIND_DISK, KIND_ELLIPSOID, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, MATERIAL_SHIFT, NONE,
-    ONE_SIDED_BIT, TILE,
+    ATTRIBUTE_BITS, EMISSION_MASK, FILTER_WORDS, Frame, HAS_COLORS, HAS_NORMALS, HAS_OPACITY,
+    HAS_UVS, KIND_DISK, KIND_ELLIPSOID, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, MATERIAL_SHIFT,
+    NONE, ONE_SIDED_BIT, TILE,
 };
 use super::lights::{choice_words, emission_cell_words, first_emission_word, light_words};
 use super::materials::{MaterialWords, material_words};

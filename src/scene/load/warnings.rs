@@ -133,10 +133,10 @@ fn size(geometry: &Geometry) -> f64 {
 fn coarse_spheres(scene: &Scene, normalization: &Normalization) -> Vec<String> {
     let spheres = scene.shapes.iter().filter_map(|shape| {
         let (center, radius, field) = match shape.geometry {
-            Geometry::Sphere { center, radius } => (center, radius, "radius"),
+            Geometry::Sphere { center, radius } => (center, radius, "radius: is"),
             Geometry::Ellipsoid { center, axes } => {
                 let to_view = (normalization.center - center).normalize_or(DVec3::X);
-                (center, (axes.inverse() * to_view).length().recip(), "transform")
+                (center, (axes.inverse() * to_view).length().recip(), "transform: makes a half axis of")
             }
             _ => return None,
         };
@@ -146,7 +146,7 @@ fn coarse_spheres(scene: &Scene, normalization: &Normalization) -> Vec<String> {
         let coarseness = (middle + radius) / distance;
         (coarseness > MAX_COARSENESS).then(|| {
             format!(
-                "{}.{field}: its half axis is {radius:e}, {coarseness:.0e} times what is in view there, which 32-bit coordinates do not resolve: \
+                "{}.{field} {radius:e}, {coarseness:.0e} times what is in view there, which 32-bit coordinates do not resolve: \
                  its light and shadows will be wrong; a smaller sphere, a disk or a mesh is needed",
                 shape.field()
             )
