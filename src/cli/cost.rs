@@ -3,11 +3,13 @@
 mod text;
 
 use super::calibrate::{CalibrateArguments, print_table};
+use super::duration::parse_duration;
 use super::explain::parse_effect;
 use super::interrupt::Interrupt;
 use super::plan::{Failures, Plan, usable};
+use super::progress::Bar;
 use super::settings::{ImageArguments, SceneListArguments};
-use super::{AdapterArgument, JsonArgument, progress};
+use super::{AdapterArgument, JsonArgument};
 use crate::console::{print, say};
 use crate::cost::calibrate::{self, Calibration};
 use crate::cost::estimator::{self, Choices};
@@ -17,7 +19,6 @@ use crate::gpu::Context;
 use crate::report::{self, csv, machine::Machine};
 use crate::scene::{LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
 use clap::ValueEnum;
-use indicatif::ProgressBar;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -352,58 +353,6 @@ pub fn or<T: Clone>(list: &[T], default: &[T]) -> Vec<T> {
     if list.is_empty() { default } else { list }.to_vec()
 }
 
-/// The progress bar: how much of the budget is spent.
-pub(super) struct Bar(ProgressBar);
-
-impl Bar {
-    pub(super) fn new(budget: f64, quiet: bool) -> Self {
-        let length = (1000.0 * budget) as u64;
-        Self(progress::bar(
-            length,
-            "{bar:24} {percent:>3} % {msg}",
-            quiet,
-        ))
-    }
-
-    pub(super) fn show(&self, what: &str, spent: f64) {
-        self.0.set_position((1000.0 * spent) as u64);
-        self.0.set_message(what.to_owned());
-        self.0.tick();
-    }
-
-    pub(super) fn finish(&self) {
-        self.0.finish_and_clear();
-    }
-}
-
-/// Seconds of a duration such as `90s`, `1m30s`, `500ms` or `2h`.
-pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
-    let wrong =
-        || format!("`{text}` is no duration; expected such as 30s, 2m or 1m30s, above zero");
-    let mut rest = text.trim();
-    let mut total = 0.0;
-    while !rest.is_empty() {
-        let digits = rest.find(|c: char| !(c.is_ascii_digit() || c == '.'));
-        let (number, tail) = rest.split_at(digits.ok_or_else(wrong)?);
-        let units = tail.find(|c: char| !c.is_ascii_alphabetic());
-        let (unit, tail) = tail.split_at(units.unwrap_or(tail.len()));
-        let factor = match unit {
-            "ms" => 1e-3,
-            "s" => 1.0,
-            "m" | "min" => 60.0,
-            "h" => 3600.0,
-            _ => return Err(wrong()),
-        };
-        total += factor * number.parse::<f64>().map_err(|_| wrong())?;
-        rest = tail;
-    }
-    if total > 0.0 && total.is_finite() {
-        Ok(total)
-    } else {
-        Err(wrong())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -417,22 +366,6 @@ mod tests {
         }
         for wrong in ["sobol-sampler", ""] {
             assert!(parse_compiled(wrong).is_err(), "{wrong}");
-        }
-    }
-
-    #[test]
-    fn durations_are_parsed() {
-        for (text, seconds) in [
-            ("30s", 30.0),
-            ("2m", 120.0),
-            ("1m30s", 90.0),
-            ("250ms", 0.25),
-        ] {
-            let parsed = parse_duration(text).expect("a duration");
-            assert!((parsed - seconds).abs() < 1e-12, "{text}");
-        }
-        for wrong in ["", "30", "s", "0s", "-1s", "1x", "1.2.3s", "infs"] {
-            assert!(parse_duration(wrong).is_err(), "{wrong}");
         }
     }
 }

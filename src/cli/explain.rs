@@ -2,9 +2,11 @@
 
 mod text;
 
-use super::cost::{Bar, or, parse_duration};
+use super::cost::or;
+use super::duration::parse_duration;
 use super::interrupt::Interrupt;
 use super::plan::{Failures, Plan, usable};
+use super::progress::Bar;
 use super::settings::{AovArguments, AssetArguments, EstimatorArguments};
 use super::{AdapterArgument, JsonArgument};
 use crate::console::{print, say};

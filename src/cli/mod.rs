@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod cost;
 mod doctor;
+mod duration;
 mod explain;
 mod interrupt;
 mod lab;

@@ -22,6 +22,29 @@ pub fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
     bar
 }
 
+/// The progress bar: how much of the budget is spent.
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    /// An empty one for `budget`; none where `quiet`.
+    pub fn new(budget: f64, quiet: bool) -> Self {
+        let length = (1000.0 * budget) as u64;
+        Self(bar(length, "{bar:24} {percent:>3} % {msg}", quiet))
+    }
+
+    /// Tells what is done now, and how much is spent.
+    pub fn show(&self, what: &str, spent: f64) {
+        self.0.set_position((1000.0 * spent) as u64);
+        self.0.set_message(what.to_owned());
+        self.0.tick();
+    }
+
+    /// Removes it.
+    pub fn finish(&self) {
+        self.0.finish_and_clear();
+    }
+}
+
 /// Shows pass, samples/s, rays/s, error so far and the time left. Silent where stderr is no terminal.
 pub struct Progress {
     bar: ProgressBar,
