@@ -205,6 +205,18 @@ pub enum GpuError {
         /// The adapter's name.
         adapter: String,
     },
+    /// The machine has less memory than the image takes.
+    #[error(
+        "{what} takes {needed} bytes of memory, but {available} are available; a smaller image, or a machine or limit with more memory, is needed"
+    )]
+    TooLittleMemory {
+        /// What takes it, in words.
+        what: String,
+        /// Bytes that it takes.
+        needed: u64,
+        /// Bytes that this process may still take.
+        available: u64,
+    },
     /// The device could not be opened.
     #[error("{adapter}: the device could not be opened: {message}")]
     Device {
@@ -256,7 +268,8 @@ impl GpuError {
             Self::NoAdapter
             | Self::NoSuchAdapter { .. }
             | Self::TooLarge { .. }
-            | Self::TooMany { .. } => true,
+            | Self::TooMany { .. }
+            | Self::TooLittleMemory { .. } => true,
             Self::Shader { .. } => std::env::var_os(SHADERS_VARIABLE).is_some(),
             Self::Device { .. }
             | Self::Lost { .. }

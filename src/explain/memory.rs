@@ -1,9 +1,10 @@
-//! What a render holds on the device.
+//! What a render holds on the device and on the host.
 
 use crate::effects::Effect;
 use crate::gpu::SceneBuffers;
 use crate::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS};
 use crate::render::Prepared;
+use crate::render::memory::host_bytes;
 use crate::scene::FilmSize;
 use serde::Serialize;
 
@@ -21,9 +22,12 @@ pub fn of(prepared: &Prepared, film: FilmSize) -> Vec<Memory> {
     let tiles = u64::from(film.width.div_ceil(TILE)) * u64::from(film.height.div_ceil(TILE));
     let pixels = tiles * u64::from(TILE_PIXELS) * size_of::<PixelState>() as u64;
     let word = size_of::<u32>() as u64;
+    let host = host_bytes(film, prepared.emitters.groups.names.len());
     let of_image = [
         ("direct.pixels", pixels),
         ("direct.pixels.staging", pixels),
+        ("direct.order", tiles * u64::from(TILE_PIXELS) * word),
+        ("film", host),
         ("direct.frame", size_of::<Frame>() as u64),
         ("direct.dispatch", size_of::<Dispatch>() as u64),
         ("direct.unfinished", word),

@@ -6,6 +6,7 @@ pub mod check;
 mod error;
 pub mod film;
 pub mod goal;
+pub mod memory;
 pub mod near_plane;
 mod neighbourhood;
 pub mod prepare;

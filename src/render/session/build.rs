@@ -11,6 +11,7 @@ use crate::gpu::scene_buffers::{self, SceneBuffers};
 use crate::gpu::shader::Config;
 use crate::gpu::{Context, GpuBuffer, Kernels};
 use crate::render::film::Film;
+use crate::render::memory;
 use crate::render::prepare::{Patterns, Prepared};
 use crate::scene::FilmSize;
 use std::time::{Duration, Instant};
@@ -116,6 +117,7 @@ impl<'a> Session<'a> {
         seed: u32,
         build: Build<'_>,
     ) -> Result<Self, GpuError> {
+        memory::check(context, film, prepared.emitters.groups.names.len())?;
         let buffers = SceneBuffers::new(context, prepared)?;
         let compile_start = Instant::now();
         let config = Config {
