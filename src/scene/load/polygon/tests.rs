@@ -71,7 +71,7 @@ fn rotated(points: &[DVec3], by: usize) -> Vec<DVec3> {
     points
 }
 
-const SHAPES: [&[[f64; 2]]; 6] = [
+const SHAPES: [&[[f64; 2]]; 7] = [
     &L,
     // A notch.
     &[
@@ -118,6 +118,17 @@ const SHAPES: [&[[f64; 2]]; 6] = [
         [-1.0, 0.0],
         [-1.0, -1.0],
         [0.0, -1.0],
+    ],
+    // The L with an edge that goes out and back.
+    &[
+        [1.0, -1.0],
+        [1.0, 0.0],
+        [1.5, 0.5],
+        [1.0, 0.0],
+        [0.0, 0.0],
+        [0.0, 1.0],
+        [-1.0, 1.0],
+        [-1.0, -1.0],
     ],
     // The L with corners given twice.
     &[
