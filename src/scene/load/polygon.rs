@@ -89,7 +89,6 @@ impl Triangulator {
             let turned = area([plane[a], plane[b], plane[c]]) < 0.0;
             cut.push(if turned { [a, c, b] } else { [a, b, c] });
         }
-        insert_left_out(plane, &mut cut);
         let covered: f64 = cut.iter().map(|t| area(t.map(|i| plane[i])).abs()).sum();
         let enclosed: f64 = fan(plane).map(|t| area(t.map(|i| plane[i]))).sum();
         self.crossing += usize::from((covered - enclosed).abs() > AREA_TOLERANCE * enclosed);
@@ -167,45 +166,6 @@ fn canonical_start(points: &[DVec3]) -> usize {
             .unwrap_or(std::cmp::Ordering::Equal)
     };
     (0..count).min_by(order).unwrap_or(0)
-}
-
-/// Puts points back in that earcut left out because they lie on an edge: they split its triangle, so that neighbours which
-/// share them leave no gap, and their attributes count.
-fn insert_left_out(plane: &[DVec2], cut: &mut Vec<[usize; 3]>) {
-    let count = plane.len();
-    let mut used = vec![false; count];
-    for i in cut.iter().flatten() {
-        used[*i] = true;
-    }
-    for from in (0..count).filter(|i| used[*i]) {
-        let rest = (1..count).map(|i| (from + i) % count);
-        let left_out: Vec<usize> = rest.clone().take_while(|i| !used[*i]).collect();
-        let (false, Some(to)) = (left_out.is_empty(), rest.clone().nth(left_out.len())) else {
-            continue;
-        };
-        let at_edge = |t: &[usize; 3]| (0..3).find(|&i| t[i] == from && t[(i + 1) % 3] == to);
-        let Some(place) = cut.iter().position(|t| at_edge(t).is_some()) else {
-            continue;
-        };
-        let triangle = cut[place];
-        let edge = at_edge(&triangle).unwrap_or(0);
-        let apex = triangle[(edge + 2) % 3];
-        let mut last = from;
-        for next in left_out {
-            if is_between(plane[next], plane[last], plane[to]) {
-                cut.push([last, next, apex]);
-                last = next;
-            }
-        }
-        cut[place] = [last, to, apex];
-    }
-}
-
-/// Whether `p` lies on the edge from `a` to `b`, and on neither of them.
-fn is_between(p: DVec2, a: DVec2, b: DVec2) -> bool {
-    let (edge, to) = (b - a, p - a);
-    let along = to.dot(edge);
-    edge.perp_dot(to).abs() < 1e-12 && along > 0.0 && along < edge.length_squared()
 }
 
 #[cfg(test)]
