@@ -15,6 +15,10 @@ const COARSENESS: f64 = 16.0;
 const ROUNDNESS: f64 = 1.0 / 65_536.0;
 /// Times that a triangle is halved at most: f64 has no more binary digits than twice this.
 const MAX_ROUNDS: usize = 128;
+/// Triangles that a shape is cut into at most, beside those that it has.
+const MAX_ADDED: usize = 1 << 20;
+/// Longest edge of a triangle over its coordinates below which f64 has no digits left to cut it by.
+const RESOLUTION: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Replaces shapes of `scene` by finer meshes of the same points, where `normalization` calls for it. Spheres stay.
 pub fn refine(scene: &mut Scene, normalization: &Normalization) {
@@ -55,9 +59,10 @@ impl Near {
         if !self.is_coarse_anywhere(&mesh) {
             return None;
         }
+        let most = mesh.triangles.len() + MAX_ADDED;
         let mut cut = Cut::new(mesh, disk);
         for _ in 0..MAX_ROUNDS {
-            if !cut.round(self) {
+            if cut.mesh.triangles.len() > most || !cut.round(self) {
                 break;
             }
         }
@@ -69,7 +74,13 @@ impl Near {
     }
 
     fn is_coarse(&self, mesh: &Mesh, triangle: &[u32; 3]) -> bool {
-        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize] - self.center);
+        let corners = triangle.map(|i| mesh.positions[i as usize]);
+        let [a, b, c] = corners.map(|p| p - self.center);
+        let coordinates = corners.map(|p| p.abs().max_element());
+        let longest = (b - a).abs().max((c - a).abs()).max((c - b).abs());
+        if longest.max_element() <= RESOLUTION * coordinates.into_iter().fold(0.0, f64::max) {
+            return false;
+        }
         let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
         reach > COARSENESS * self.radius
             && reach > COARSENESS * nearest_of_triangle([a, b, c]).length()

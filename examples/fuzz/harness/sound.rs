@@ -30,9 +30,12 @@ pub fn prepare(scene: Scene) -> Result<(), String> {
     small("eye", normalization.point(prepared.scene.camera.eye))?;
     for primitive in &prepared.primitives {
         let (low, high) = primitive.geometry.bounds();
-        let within = |v: DVec3| v.abs().max_element() < 1.001;
+        let within = |v: DVec3| v.abs().max_element() < 1.001 * normalization.reach;
         if !(within(low) && within(high)) {
-            return Err(format!("{:?} is outside of [-1, 1]", primitive.geometry));
+            return Err(format!(
+                "{:?} reaches further than {}",
+                primitive.geometry, normalization.reach
+            ));
         }
         if let PrimitiveGeometry::Sphere { radius, .. } = primitive.geometry {
             require("radius", radius, |r| ((r * r) as f32).is_normal())?;

@@ -8,7 +8,6 @@ use super::morph::{self, Weights};
 use super::nodes::Placed;
 use super::skins::{self, Skins};
 use super::textures::Named;
-use super::transform_error;
 use crate::error::InputError;
 use crate::scene::load::transform;
 use crate::scene::{Geometry, Mesh};
