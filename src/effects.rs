@@ -96,6 +96,14 @@ effects! {
     ColorTexture "COLOR_TEXTURE" "color-texture" Simulation |r| r.texture(|t| t.color);
     /// Textures of metallic and roughness.
     RoughnessTexture "ROUGHNESS_TEXTURE" "roughness-texture" Simulation |r| r.texture(|t| t.metallic_roughness);
+    /// Textures of reflectance at normal incidence and glossiness.
+    GlossinessTexture "GLOSSINESS_TEXTURE" "glossiness-texture" Simulation |r| r.texture(|t| t.specular_glossiness);
+    /// Textures that make metal of parts of a glass.
+    MetalMask "METAL_MASK" "metal-mask" Simulation
+        |r| r.material(|m| m.bsdf.is_masked().then(|| "metal in parts, glass elsewhere".to_owned()));
+    /// Surfaces that show their colour whatever lights there are.
+    Unlit "UNLIT" "unlit" Simulation
+        |r| r.material(|m| m.bsdf.parameters().unlit.then(|| "shows its colour".to_owned()));
     /// Textures of shading normals.
     NormalMap "NORMAL_MAP" "normal-map" Simulation |r| r.texture(|t| t.normal.map(|map| map.texture));
     /// Surfaces that stop a ray by chance, or where a mask is.

@@ -12,8 +12,9 @@ use crate::scene::{
 
 /// The width of a material's microfacet lobe.
 pub(super) fn microfacets(material: &Material) -> Option<String> {
-    let lobe = material.bsdf.parameters().specular?;
-    (lobe.alpha > 0.0).then(|| format!("GGX with α = {:.4}", lobe.alpha))
+    let own = material.bsdf.parameters().specular.map(|lobe| lobe.alpha);
+    let alpha = material.bsdf.masked_alpha().or(own)?;
+    (alpha > 0.0).then(|| format!("GGX with α = {alpha:.4}"))
 }
 
 /// Why camera rays go on from a material.
@@ -56,9 +57,10 @@ pub(super) fn conductor(material: &Material) -> Option<String> {
 /// The width of a lobe that loses energy by leaving out what meets several facets; a coat's is not compensated.
 fn rough_metal(material: &Material) -> Option<String> {
     let lobe = material.bsdf.parameters().specular?;
-    let coat = matches!(lobe.fresnel, Fresnel::Dielectric { .. });
-    (lobe.alpha > 0.0 && !coat)
-        .then(|| format!("energy_compensation = true, GGX with α = {:.4}", lobe.alpha))
+    let masked = material.bsdf.masked_alpha();
+    let coat = masked.is_none() && matches!(lobe.fresnel, Fresnel::Dielectric { .. });
+    let alpha = masked.unwrap_or(lobe.alpha);
+    (alpha > 0.0 && !coat).then(|| format!("energy_compensation = true, GGX with α = {alpha:.4}"))
 }
 
 /// A scene, and the effects that it was found to call for so far.

@@ -279,6 +279,8 @@ shared! {
     "scene::fetch" THIN_BIT = 4;
     /// Set in a material's bits where light that meets several of its facets counts.
     "scene::fetch" COMPENSATED_BIT = 8;
+    /// Set in a material's bits where its diffuse colour is what it shows.
+    "scene::fetch" UNLIT_BIT = 16;
     /// Set where a primitive has vertex normals.
     "scene::fetch" HAS_NORMALS = 1;
     /// Set where a primitive has texture coordinates that its material reads.

@@ -2,8 +2,8 @@
 
 use super::layout::{
     COMPENSATED_BIT, FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK,
-    MATERIAL_WORDS, NEAREST_BIT, NONE, TEXTURED_WORDS, THIN_BIT, WRAP_CLAMP, WRAP_MIRROR,
-    WRAP_REPEAT,
+    MATERIAL_WORDS, NEAREST_BIT, NONE, TEXTURED_WORDS, THIN_BIT, UNLIT_BIT, WRAP_CLAMP,
+    WRAP_MIRROR, WRAP_REPEAT,
 };
 use super::scene_buffers::{Word, bits, word};
 use super::textures::Atlas;
@@ -11,6 +11,13 @@ use crate::scene::light::Interpolation;
 use crate::scene::material::{BsdfParameters, Fresnel};
 use crate::scene::{Bsdf, Geometry, Material, Scene, TextureUse, Wrap};
 use glam::DVec3;
+
+/// In place of a roughness: a colour alone is multiplied.
+const MODEL_COLOR: f64 = -1.0;
+/// Glass of which a texture makes metal in parts.
+const MODEL_MASK: f64 = -2.0;
+/// The specular-glossiness model.
+const MODEL_GLOSSINESS: f64 = -3.0;
 
 /// Words of materials and textures.
 pub(super) struct MaterialWords {
@@ -57,6 +64,9 @@ pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> Mate
             bits(cutoff),
             add(opacity.texture, colors),
         ];
+        if let Some(texture) = maps.specular_glossiness {
+            words[first as usize + 1][3] = add(Some(texture), colors);
+        }
         words[first as usize + 2] = indices;
         words[first as usize + 3][1..].copy_from_slice(&opacity);
     }
@@ -112,16 +122,20 @@ fn one_material(p: &BsdfParameters, compensated: bool) -> [Word; MATERIAL_WORDS 
         word(f0, bits(f90)),
         word(
             k,
-            kind | flag(thin, THIN_BIT) | flag(compensated, COMPENSATED_BIT),
+            kind | flag(thin, THIN_BIT)
+                | flag(compensated, COMPENSATED_BIT)
+                | flag(p.unlit, UNLIT_BIT),
         ),
         word(transmittance, bits(ior)),
         word(p.specular.map_or(DVec3::ZERO, |s| s.average), NONE),
     ]
 }
 
-/// What the textures of a material and vertex colours are factors on: base colour and roughness; F₀ of the dielectric and metallic; room for the
-/// indices of the textures; F₉₀ of the dielectric, and room for the opacity. A conductor is a metal of the metallic-roughness model here. The
-/// roughness of what is no case of it is −1: there only a colour counts.
+/// What the textures of a material and vertex colours are factors on: base colour and roughness; F₀ of the dielectric and
+/// metallic; room for the indices of the textures; F₉₀ of the dielectric, and room for the opacity. A conductor is a metal of
+/// the metallic-roughness model here. The roughness of what is no case of it is one of `MODEL_…`: under `MODEL_COLOR` a colour
+/// alone counts, under `MODEL_MASK` the roughness of the metal stands in place of F₉₀, and under `MODEL_GLOSSINESS` diffuse
+/// colour, F₀, room for the index of the texture in place of metallic, and the glossiness in place of F₉₀.
 fn textured_words(material: &Material) -> [Word; TEXTURED_WORDS as usize] {
     let (color, roughness, f0, metallic, f90) = match material.bsdf {
         Bsdf::Conductor { reflectance, alpha } => {
@@ -132,10 +146,24 @@ fn textured_words(material: &Material) -> [Word; TEXTURED_WORDS as usize] {
             metallic,
             roughness,
             layer,
+        } if layer.metal_mask => (base_color, MODEL_MASK, DVec3::ZERO, metallic, roughness),
+        Bsdf::SpecularGlossiness {
+            diffuse,
+            specular,
+            glossiness,
+            ..
+        } if material.textures.specular_glossiness.is_some() => {
+            (diffuse, MODEL_GLOSSINESS, specular, 0.0, glossiness)
+        }
+        Bsdf::MetallicRoughness {
+            base_color,
+            metallic,
+            roughness,
+            layer,
         } if layer.transmission * (1.0 - metallic) <= 0.0 => {
             (base_color, roughness, layer.f0(), metallic, layer.specular)
         }
-        _ => (DVec3::ONE, -1.0, DVec3::ZERO, 0.0, 0.0),
+        _ => (DVec3::ONE, MODEL_COLOR, DVec3::ZERO, 0.0, 0.0),
     };
     [
         word(color, bits(roughness)),

@@ -5,7 +5,7 @@
 
 use super::context::Context;
 use crate::error::GpuError;
-use crate::scene::{Material, Scene, Texels, Texture, TextureId};
+use crate::scene::{Material, Scene, Texels, Texture, TextureId, TextureUse};
 use guillotiere::{AtlasAllocator, size2};
 use half::f16;
 use std::collections::BTreeMap;
@@ -99,8 +99,9 @@ pub struct TextureArray {
 pub fn atlases(scene: &Scene) -> [Atlas; 2] {
     let emitted = scene.shapes.iter().filter_map(|s| s.emission?.texture);
     let emitted: Vec<TextureId> = emitted.map(|u| u.texture).collect();
-    let read = |ids: fn(&Material) -> [Option<TextureId>; 2], further: &[TextureId]| {
-        let ids = scene.materials.iter().flat_map(ids).flatten();
+    let read = |uses: fn(&Material) -> [Option<TextureUse>; 3], further: &[TextureId]| {
+        let uses = scene.materials.iter().flat_map(uses).flatten();
+        let ids = uses.map(|used| used.texture);
         let mut ids: Vec<TextureId> = ids.chain(further.iter().copied()).collect();
         ids.sort_unstable();
         ids.dedup();
@@ -108,13 +109,16 @@ pub fn atlases(scene: &Scene) -> [Atlas; 2] {
     };
     [
         read(
-            |m| [m.textures.color, m.opacity.texture].map(|used| used.map(|u| u.texture)),
+            |m| {
+                let maps = &m.textures;
+                [maps.color, maps.specular_glossiness, m.opacity.texture]
+            },
             &emitted,
         ),
         read(
             |m| {
-                let normal = m.textures.normal.map(|map| map.texture.texture);
-                [m.textures.metallic_roughness.map(|u| u.texture), normal]
+                let normal = m.textures.normal.map(|map| map.texture);
+                [m.textures.metallic_roughness, normal, None]
             },
             &[],
         ),

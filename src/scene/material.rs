@@ -86,6 +86,22 @@ pub enum Bsdf {
         /// Its extensions.
         layer: DielectricLayer,
     },
+    /// KHR_materials_pbrSpecularGlossiness: a diffuse base under GGX microfacets with Schlick's Fresnel.
+    SpecularGlossiness {
+        /// Albedo of the base before the specular lobe takes its part, each channel in [0, 1].
+        diffuse: DVec3,
+        /// Reflectance at normal incidence (F₀), each channel in [0, 1].
+        specular: DVec3,
+        /// In [0, 1]; α = (1 − glossiness)².
+        glossiness: f64,
+        /// Whether a texture varies the glossiness: then the lobe is nowhere a mirror.
+        textured: bool,
+    },
+    /// KHR_materials_unlit: it shows its colour whatever lights there are, and lights nothing.
+    Unlit {
+        /// Radiance, linear RGB, each channel in [0, 1].
+        color: DVec3,
+    },
 }
 
 /// What glTF's extensions say of the dielectric in the metallic-roughness model.
@@ -101,6 +117,9 @@ pub struct DielectricLayer {
     pub transmission: f64,
     /// Whether what passes through is not refracted: there is no KHR_materials_volume, or its thickness is 0.
     pub thin: bool,
+    /// Whether a texture makes metal of parts of the glass: a point is metal where metallic is at least 1/2, else glass
+    /// without metal.
+    pub metal_mask: bool,
 }
 
 impl Default for DielectricLayer {
@@ -111,6 +130,7 @@ impl Default for DielectricLayer {
             specular_color: DVec3::ONE,
             transmission: 0.0,
             thin: true,
+            metal_mask: false,
         }
     }
 }
@@ -129,6 +149,8 @@ pub struct BsdfParameters {
     pub specular: Option<SpecularLobe>,
     /// What passes through, where something does.
     pub transmission: Option<Transmission>,
+    /// Whether `diffuse` is what the surface shows, and it scatters nothing.
+    pub unlit: bool,
 }
 
 /// Parameters of the specular lobe.
@@ -235,7 +257,9 @@ impl Bsdf {
             }
             | Self::MetallicRoughness {
                 base_color: color, ..
-            } => *color *= factor,
+            }
+            | Self::SpecularGlossiness { diffuse: color, .. }
+            | Self::Unlit { color } => *color *= factor,
             Self::Metal { .. } => {}
         }
     }
@@ -253,6 +277,24 @@ impl Bsdf {
         }
     }
 
+    /// Multiplies reflectance at normal incidence and glossiness of the specular-glossiness model.
+    pub fn scale_specular_glossiness(&mut self, on_specular: DVec3, on_glossiness: f64) {
+        if let Self::SpecularGlossiness {
+            specular,
+            glossiness,
+            ..
+        } = self
+        {
+            *specular *= on_specular;
+            *glossiness *= on_glossiness;
+        }
+    }
+
+    /// Whether it is glass of which a texture makes metal in parts.
+    pub fn is_masked(&self) -> bool {
+        matches!(self, Self::MetallicRoughness { layer, .. } if layer.metal_mask)
+    }
+
     /// The lobes where the material's textures say `factors`; `own` are those without. No texture makes a mirror of a rough
     /// surface.
     pub fn textured_parameters(
@@ -262,15 +304,37 @@ impl Bsdf {
     ) -> BsdfParameters {
         let mut textured = *self;
         textured.scale_color(factors.color);
-        if own.transmission.is_none() {
+        textured.scale_specular_glossiness(factors.specular, factors.glossiness);
+        let masked = self.is_masked();
+        if own.transmission.is_none() || masked {
             textured.scale_metallic_roughness(factors.metallic, factors.roughness);
         }
+        let mut is_rough = !own.is_specular();
+        if let Self::MetallicRoughness {
+            metallic, layer, ..
+        } = &mut textured
+            && masked
+        {
+            is_rough = *metallic >= 0.5;
+            *metallic = if is_rough { 1.0 } else { 0.0 };
+            layer.metal_mask = false;
+        }
         if let Self::MetallicRoughness { roughness, .. } = &mut textured
-            && !own.is_specular()
+            && is_rough
         {
             *roughness = roughness.max(Self::MIN_ALPHA.sqrt() * (1.0 + f64::EPSILON));
         }
         textured.parameters()
+    }
+
+    /// The GGX width of the metal in glass of which a texture makes metal in parts, before textures.
+    pub fn masked_alpha(&self) -> Option<f64> {
+        match self {
+            Self::MetallicRoughness {
+                roughness, layer, ..
+            } if layer.metal_mask => Some((roughness * roughness).max(Self::MIN_ALPHA)),
+            _ => None,
+        }
     }
 
     /// The lobes this BSDF comes down to.
@@ -279,13 +343,29 @@ impl Bsdf {
             diffuse,
             specular: Some(SpecularLobe::new(fresnel, alpha)),
             transmission: None,
+            unlit: false,
+        };
+        let matte = |diffuse, unlit| BsdfParameters {
+            diffuse,
+            specular: None,
+            transmission: None,
+            unlit,
         };
         match *self {
-            Self::Lambert { reflectance } => BsdfParameters {
-                diffuse: reflectance,
-                specular: None,
-                transmission: None,
-            },
+            Self::Lambert { reflectance } => matte(reflectance, false),
+            Self::Unlit { color } => matte(color, true),
+            Self::SpecularGlossiness {
+                diffuse,
+                specular,
+                glossiness,
+                textured,
+            } => {
+                let (f0, f90) = (specular, 1.0);
+                let narrowest = if textured { Self::MIN_ALPHA } else { 0.0 };
+                let alpha = (1.0 - glossiness).powi(2).max(narrowest);
+                let left = 1.0 - specular.max_element();
+                reflects(diffuse * left, Fresnel::Schlick { f0, f90 }, alpha)
+            }
             Self::Mirror { reflectance } => {
                 reflects(DVec3::ZERO, Fresnel::Constant(reflectance), 0.0)
             }
@@ -333,7 +413,7 @@ impl DielectricLayer {
     /// The model under these extensions. Where something passes through, the surface is a smooth dielectric: the metal's
     /// part, the roughness and the factors of KHR_materials_specular do not count.
     fn parameters(&self, base_color: DVec3, metallic: f64, alpha: f64) -> BsdfParameters {
-        let dielectric = 1.0 - metallic;
+        let dielectric = if self.metal_mask { 1.0 } else { 1.0 - metallic };
         let through = self.transmission * dielectric;
         if through > 0.0 {
             return BsdfParameters {
@@ -347,6 +427,7 @@ impl DielectricLayer {
                     ior: self.ior,
                     thin: self.thin,
                 }),
+                unlit: false,
             };
         }
         let fresnel = Fresnel::Schlick {
@@ -357,6 +438,7 @@ impl DielectricLayer {
             diffuse: base_color * dielectric,
             specular: Some(SpecularLobe::new(fresnel, alpha)),
             transmission: None,
+            unlit: false,
         }
     }
 }

@@ -58,8 +58,15 @@ impl Texture {
 
     /// The least and the largest alpha of its texels.
     pub fn alpha_range(&self) -> [f64; 2] {
+        self.range(3)
+    }
+
+    /// The least and the largest value of channel `channel`, 0 red to 3 alpha.
+    pub fn range(&self, channel: usize) -> [f64; 2] {
         let all = [f64::INFINITY, f64::NEG_INFINITY];
-        self.fold(all, |[low, high], [.., a]| [a.min(low), a.max(high)])
+        self.fold(all, |[low, high], texel| {
+            [texel[channel].min(low), texel[channel].max(high)]
+        })
     }
 
     fn fold<T>(&self, start: T, add: impl Fn(T, [f64; 4]) -> T) -> T {
@@ -116,6 +123,8 @@ pub struct MaterialTextures {
     pub color: Option<TextureUse>,
     /// Factors on roughness (green) and metallic (blue).
     pub metallic_roughness: Option<TextureUse>,
+    /// Factors on reflectance at normal incidence (red, green, blue) and glossiness (alpha).
+    pub specular_glossiness: Option<TextureUse>,
     /// Shading normals.
     pub normal: Option<NormalMap>,
 }
@@ -129,9 +138,12 @@ impl MaterialTextures {
     /// All of them.
     pub fn uses(&self) -> impl Iterator<Item = TextureUse> {
         let normal = self.normal.map(|n| n.texture);
-        [self.color, self.metallic_roughness, normal]
-            .into_iter()
-            .flatten()
+        let [color, metallic, specular] = [
+            self.color,
+            self.metallic_roughness,
+            self.specular_glossiness,
+        ];
+        [color, metallic, specular, normal].into_iter().flatten()
     }
 }
 
@@ -144,6 +156,10 @@ pub struct TexturedFactors {
     pub metallic: f64,
     /// On roughness.
     pub roughness: f64,
+    /// On reflectance at normal incidence.
+    pub specular: DVec3,
+    /// On glossiness.
+    pub glossiness: f64,
 }
 
 impl Default for TexturedFactors {
@@ -152,6 +168,8 @@ impl Default for TexturedFactors {
             color: DVec3::ONE,
             metallic: 1.0,
             roughness: 1.0,
+            specular: DVec3::ONE,
+            glossiness: 1.0,
         }
     }
 }

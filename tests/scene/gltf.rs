@@ -383,6 +383,7 @@ fn extensions_of_materials_are_read() {
         specular_color: DVec3::new(1.0, 0.5, 2.0),
         transmission: 0.75,
         thin: false,
+        metal_mask: false,
     };
     assert_eq!(layer, expected);
     assert!(material.double_sided, "light leaves through the back");

@@ -78,6 +78,17 @@ impl<F: FnMut(f64) -> f64> Visitor<'_, F> {
             Bsdf::Lambert { reflectance } | Bsdf::Mirror { reflectance } => {
                 self.vector(reflectance);
             }
+            Bsdf::Unlit { color } => self.vector(color),
+            Bsdf::SpecularGlossiness {
+                diffuse,
+                specular,
+                glossiness,
+                ..
+            } => {
+                self.vector(diffuse);
+                self.vector(specular);
+                self.number(glossiness);
+            }
             Bsdf::Dielectric {
                 ior, transmittance, ..
             } => {

@@ -111,7 +111,7 @@ impl<'a> ExactScene<'a> {
         }
         for material in &world.prepared.scene.materials {
             let parameters = material.bsdf.parameters();
-            if parameters.is_specular() {
+            if parameters.is_specular() || parameters.unlit {
                 return Err(NotExact::Specular(material.name.clone()));
             }
             let fresnel = parameters.specular.map(|lobe| lobe.fresnel);

@@ -144,6 +144,10 @@ impl<'a> Direct<'a> {
             return sample;
         };
         let s = lit.surface;
+        if s.material.unlit {
+            sample.radiance += lit.throughput * s.material.diffuse;
+            return sample;
+        }
         let light_words = self.numbers.group(id, GROUP_LIGHT);
         let direction_words = self.numbers.group(id, GROUP_DIRECTION);
         sample.conditions.normal_rounding = self.normal_rounding(&lit);

@@ -23,6 +23,11 @@ pub fn texture_factors(
         factors.roughness *= texel.y;
         factors.metallic *= texel.z;
     }
+    if let Some(texture) = &material.textures.specular_glossiness {
+        let texel = sample_texture(world, texture, uv);
+        factors.specular *= texel.truncate();
+        factors.glossiness *= texel.w;
+    }
     factors
 }
 

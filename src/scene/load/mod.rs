@@ -8,6 +8,7 @@ mod cutoff;
 mod decode;
 mod exr;
 mod files;
+mod fold;
 mod frame;
 mod gltf_scene;
 mod image;
@@ -80,9 +81,10 @@ fn load_from(path: &Path, folders: &Folders) -> Result<Scene, Error> {
     };
     validate::validate(&scene)?;
     vertex_colors::drop_on_metals(&mut scene);
-    texture::fold_constant(&mut scene.materials, &scene.textures);
+    let mut folded = fold::fold_constant(&mut scene.materials, &scene.textures);
+    scene.warnings.append(&mut folded);
     vertex_colors::fold_opacity(&mut scene);
-    texture::fold_constant_emission(&mut scene.shapes, &scene.textures);
+    fold::fold_constant_emission(&mut scene.shapes, &scene.textures);
     let mut warnings = warnings::general(&scene);
     scene.warnings.append(&mut warnings);
     for warning in &mut scene.warnings {

@@ -3,7 +3,7 @@
 use super::cutoff::{self, Alpha};
 use super::decode::{self, Wanted};
 use crate::error::InputError;
-use crate::scene::{Material, Opacity, Shape, Texels, Texture, TextureId, TextureUse};
+use crate::scene::{Opacity, Texels, Texture, TextureId};
 use glam::DVec3;
 use half::f16;
 use image::{ColorType, DynamicImage};
@@ -106,6 +106,23 @@ impl Textures {
             for (index, texel) in texels.iter_mut().enumerate() {
                 texel[3] = divided.apart(alpha(index, texel[3]));
             }
+        }
+    }
+
+    /// Red, green and blue of the texture `id`, which is one of these, where they are the same everywhere.
+    pub(super) fn constant(&self, id: TextureId) -> Option<DVec3> {
+        self.list[id.index() - self.first].constant()
+    }
+
+    /// The least and the largest alpha of the texture `id`, which is one of these.
+    pub(super) fn alpha_range(&self, id: TextureId) -> [f64; 2] {
+        self.list[id.index() - self.first].alpha_range()
+    }
+
+    /// Adds what is to be said, once.
+    pub(super) fn warn(&mut self, warning: String) {
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
         }
     }
 
@@ -276,43 +293,6 @@ pub(super) fn srgb(encoded: f64) -> f64 {
         encoded / 12.92
     } else {
         ((encoded + 0.055) / 1.055).powf(2.4)
-    }
-}
-
-/// What varies nothing becomes a factor: textures of one value and normal maps that are flat.
-pub(super) fn fold_constant(materials: &mut [Material], textures: &[Texture]) {
-    for material in materials {
-        let maps = &mut material.textures;
-        let constant = |u: &Option<TextureUse>| textures[u.as_ref()?.texture.index()].constant();
-        if let Some(value) = constant(&maps.color) {
-            material.bsdf.scale_color(value);
-            maps.color = None;
-        }
-        if let Some(value) = constant(&maps.metallic_roughness) {
-            material.bsdf.scale_metallic_roughness(value.z, value.y);
-            maps.metallic_roughness = None;
-        }
-        // Half lies between 127 and 128: either is meant by it.
-        let flat = |value: DVec3| {
-            let off = value - DVec3::new(0.5, 0.5, 1.0);
-            off.abs().max_element() <= 0.6 / 255.0
-        };
-        let normal = maps.normal.map(|map| map.texture);
-        if constant(&normal).is_some_and(flat) {
-            maps.normal = None;
-        }
-    }
-}
-
-/// The same for what shapes emit: a texture of one value becomes a factor on the radiance.
-pub(super) fn fold_constant_emission(shapes: &mut [Shape], textures: &[Texture]) {
-    let emissions = shapes.iter_mut().filter_map(|s| s.emission.as_mut());
-    for emission in emissions {
-        let texture = emission.texture.map(|u| &textures[u.texture.index()]);
-        if let Some(value) = texture.and_then(Texture::constant) {
-            emission.radiance *= value;
-            emission.texture = None;
-        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::scene::ellipsoid::half_extent;
 use crate::scene::normalize::Normalization;
-use crate::scene::{EnvironmentRadiance, Geometry, Light, Scene, Shape};
+use crate::scene::{Bsdf, EnvironmentRadiance, Geometry, Light, Scene, Shape};
 use glam::DVec3;
 
 /// Largest coordinate of a sphere over its distance from what is in view: rays leave it 2⁻²⁰ of that coordinate off it, at this
@@ -89,8 +89,16 @@ fn brightness(scene: &Scene, normalization: &Normalization) -> Vec<Brightness> {
     found
 }
 
-/// That of a shape that was meant to emit.
+/// That of a shape that was meant to emit, or that shows its colour.
 fn of_shape(scene: &Scene, shape: &Shape, normalization: &Normalization) -> Option<Brightness> {
+    let material = &scene.materials[shape.material.index()];
+    if let Bsdf::Unlit { color } = material.bsdf {
+        let met = !material.opacity.is_never_met();
+        return Some(Brightness {
+            name: format!("materials.{}.color", material.name),
+            most: if met { color.max_element() } else { 0.0 },
+        });
+    }
     let emission = shape.emission?;
     let field = shape.field();
     if scene.materials[shape.material.index()]

@@ -71,6 +71,17 @@ pub(super) fn check(file: &Path, material: &Material) -> Outcome {
         Bsdf::Lambert { reflectance } | Bsdf::Mirror { reflectance } => {
             check.colour(reflectance, "reflectance")
         }
+        Bsdf::Unlit { color } => check.colour(color, "color"),
+        Bsdf::SpecularGlossiness {
+            diffuse,
+            specular,
+            glossiness,
+            ..
+        } => {
+            check.colour(diffuse, "diffuseFactor")?;
+            check.colour(specular, "specularFactor")?;
+            check.number(glossiness, "glossinessFactor")
+        }
         Bsdf::Dielectric {
             ior,
             transmittance,

@@ -10,13 +10,16 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Extensions that are read; all others are named in a warning, or refused where the file requires them.
-pub(super) const SUPPORTED_EXTENSIONS: [&str; 10] = [
+pub(super) const SUPPORTED_EXTENSIONS: [&str; 13] = [
     "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_node_visibility",

@@ -1,7 +1,8 @@
 //! Materials: the factors of the metallic-roughness model, opacity and emission.
 
 use super::document::Document;
-use super::textures::{Named, texture_use};
+use super::layers;
+use super::textures::{Named, is_unlit, specular_glossiness, texture_use};
 use crate::error::InputError;
 use crate::scene::load::texture::{Meaning, Textures};
 use crate::scene::material::DielectricLayer;
@@ -78,34 +79,15 @@ impl<'a> Materials<'a> {
             format!("{field}.material")
         })?;
         let name = format!("materials[{index}]");
-        let unit = |value: f64, factor: &str| {
-            if (0.0..=1.0).contains(&value) {
-                Ok(value)
-            } else {
-                Err(document.error(
-                    format!("{name}.pbrMetallicRoughness.{factor}"),
-                    format!("is {value}"),
-                    "a number from 0 to 1",
-                ))
-            }
-        };
-        let pbr = &json.pbr_metallic_roughness;
-        let mut base_color = DVec3::ZERO;
-        for channel in 0..3 {
-            base_color[channel] = unit(pbr.base_color_factor.0[channel].into(), "baseColorFactor")?;
-        }
-        let layer = dielectric_layer(document, json, &name)?;
+        let mut layer = dielectric_layer(document, json, &name)?;
+        layers::fold(document, json, &name, &mut layer, &mut self.textures)?;
+        let bsdf = bsdf(document, json, &name, layer)?;
         let textures = self.textures_of(json, &name)?;
         let mut opacity = opacity(document, json, &name, textures.color)?;
         self.textures.settle_cutoff(&mut opacity);
         let material = Material {
             name: json.name.clone().unwrap_or_else(|| name.clone()),
-            bsdf: Bsdf::MetallicRoughness {
-                base_color,
-                metallic: unit(pbr.metallic_factor.0.into(), "metallicFactor")?,
-                roughness: unit(pbr.roughness_factor.0.into(), "roughnessFactor")?,
-                layer,
-            },
+            bsdf,
             // Light leaves a body of glass through the back of its surface.
             double_sided: json.double_sided || (layer.transmission > 0.0 && !layer.thin),
             textures,
@@ -114,9 +96,9 @@ impl<'a> Materials<'a> {
         let mut emission = emission(document, json, &name)?;
         if let (Some(emission), Some(named)) = (&mut emission, Named::of_emission(json)) {
             let read = texture_use(document, &named, &name, Meaning::Color, &mut self.textures)?;
-            emission.texture = Some(read);
+            emission.texture = read;
         }
-        Ok((material, emission))
+        Ok((material, emission.filter(|_| !is_unlit(json))))
     }
 
     fn textures_of(
@@ -128,10 +110,12 @@ impl<'a> Materials<'a> {
         let document = self.document;
         let mut read = |named: Option<Named>, meaning| {
             let Some(named) = named else { return Ok(None) };
-            texture_use(document, &named, name, meaning, &mut self.textures).map(Some)
+            texture_use(document, &named, name, meaning, &mut self.textures)
         };
         let color = read(color, Meaning::Color)?;
         let metallic_roughness = read(rough, Meaning::Data)?;
+        let glossiness = Named::of_specular_glossiness(json);
+        let specular_glossiness = read(glossiness, Meaning::Color)?;
         let normal = read(normal, Meaning::Vector)?;
         let scale = json.normal_texture.as_ref().map_or(1.0, |n| n.scale);
         if !scale.is_finite() {
@@ -141,12 +125,60 @@ impl<'a> Materials<'a> {
         Ok(MaterialTextures {
             color,
             metallic_roughness,
+            specular_glossiness,
             normal: normal.map(|texture| NormalMap {
                 texture,
                 scale: scale.into(),
             }),
         })
     }
+}
+
+/// How a material scatters: by metallic and roughness with `layer`, by specular and glossiness, or not at all.
+fn bsdf(
+    document: &Document,
+    json: &gltf::json::Material,
+    name: &str,
+    layer: DielectricLayer,
+) -> Result<Bsdf, InputError> {
+    let unit = |value: f32, field: &str| {
+        let value = f64::from(value);
+        let holds = (0.0..=1.0).contains(&value);
+        holds.then_some(value).ok_or_else(|| {
+            let field = format!("{name}.{field}");
+            document.error(field, format!("is {value}"), "a number from 0 to 1")
+        })
+    };
+    let color = |rgb: [f32; 3], field: &str| -> Result<DVec3, InputError> {
+        let [r, g, b] = rgb.map(|channel| unit(channel, field));
+        Ok(DVec3::new(r?, g?, b?))
+    };
+    if let Some(glossy) = specular_glossiness(json) {
+        let field = |name: &str| format!("extensions.KHR_materials_pbrSpecularGlossiness.{name}");
+        let [r, g, b, _] = glossy.diffuse_factor.0;
+        let glossiness = glossy.glossiness_factor.0;
+        return Ok(Bsdf::SpecularGlossiness {
+            diffuse: color([r, g, b], &field("diffuseFactor"))?,
+            specular: color(glossy.specular_factor.0, &field("specularFactor"))?,
+            glossiness: unit(glossiness, &field("glossinessFactor"))?,
+            textured: glossy.specular_glossiness_texture.is_some(),
+        });
+    }
+    let pbr = &json.pbr_metallic_roughness;
+    let [r, g, b, _] = pbr.base_color_factor.0;
+    let base_color = color([r, g, b], "pbrMetallicRoughness.baseColorFactor")?;
+    if is_unlit(json) {
+        return Ok(Bsdf::Unlit { color: base_color });
+    }
+    Ok(Bsdf::MetallicRoughness {
+        base_color,
+        metallic: unit(pbr.metallic_factor.0, "pbrMetallicRoughness.metallicFactor")?,
+        roughness: unit(
+            pbr.roughness_factor.0,
+            "pbrMetallicRoughness.roughnessFactor",
+        )?,
+        layer,
+    })
 }
 
 /// The ids that the first material and the first texture of a file get.
@@ -230,9 +262,17 @@ fn opacity(
         Checked::Valid(AlphaMode::Blend) => None,
         Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => return Ok(Opacity::default()),
     };
-    let factor = json.pbr_metallic_roughness.base_color_factor.0[3];
+    let (factor, field) = match specular_glossiness(json) {
+        Some(glossy) => (
+            glossy.diffuse_factor.0[3],
+            "extensions.KHR_materials_pbrSpecularGlossiness.diffuseFactor",
+        ),
+        None => (
+            json.pbr_metallic_roughness.base_color_factor.0[3],
+            "pbrMetallicRoughness.baseColorFactor",
+        ),
+    };
     if !(0.0..=1.0).contains(&factor) {
-        let field = "pbrMetallicRoughness.baseColorFactor";
         return Err(error(field, factor, "a number from 0 to 1"));
     }
     if let Some(cutoff) = cutoff.filter(|c| !(c.is_finite() && *c >= 0.0)) {

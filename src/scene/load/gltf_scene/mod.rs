@@ -9,6 +9,7 @@ mod colors;
 mod container;
 mod document;
 mod instances;
+mod layers;
 mod lights;
 mod materials;
 mod morph;

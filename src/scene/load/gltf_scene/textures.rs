@@ -7,6 +7,7 @@ use crate::scene::load::texture::{Meaning, Textures};
 use crate::scene::{TextureUse, Wrap};
 use glam::{DAffine2, DMat2, DVec2};
 use gltf::json;
+use gltf::json::extensions::material::PbrSpecularGlossiness;
 use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::texture::{MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
@@ -38,7 +39,7 @@ impl Named {
         }
     }
 
-    fn of_info(slot: &'static str, info: &json::texture::Info) -> Self {
+    pub(super) fn of_info(slot: &'static str, info: &json::texture::Info) -> Self {
         let extensions = info.extensions.as_ref();
         let transform = extensions.and_then(|e| e.texture_transform.clone());
         Self::new(slot, info.index.value(), info.tex_coord, transform)
@@ -46,6 +47,9 @@ impl Named {
 
     /// The texture of what `material` emits, where it emits.
     pub(super) fn of_emission(material: &json::Material) -> Option<Self> {
+        if is_unlit(material) {
+            return None;
+        }
         let emits = material.emissive_factor.0.iter().any(|&c| c > 0.0);
         let texture = material.emissive_texture.as_ref().filter(|_| emits);
         texture.map(|i| Self::of_info("emissiveTexture", i))
@@ -54,15 +58,33 @@ impl Named {
     /// All that are read.
     pub(super) fn all(material: &json::Material) -> impl Iterator<Item = Self> {
         let emission = Self::of_emission(material);
+        let glossiness = Self::of_specular_glossiness(material);
         Self::of_material(material)
             .into_iter()
-            .chain([emission])
+            .chain([glossiness, emission])
             .flatten()
+    }
+
+    /// The texture of F₀ and glossiness.
+    pub(super) fn of_specular_glossiness(material: &json::Material) -> Option<Self> {
+        let info = specular_glossiness(material)?
+            .specular_glossiness_texture
+            .as_ref()?;
+        let slot = "extensions.KHR_materials_pbrSpecularGlossiness.specularGlossinessTexture";
+        Some(Self::of_info(slot, info))
     }
 
     /// Those of how `material` scatters: colour, metallic and roughness, normal map.
     pub(super) fn of_material(material: &json::Material) -> [Option<Self>; 3] {
         let pbr = &material.pbr_metallic_roughness;
+        if is_unlit(material) {
+            let color = pbr.base_color_texture.as_ref();
+            return [
+                color.map(|i| Self::of_info("baseColorTexture", i)),
+                None,
+                None,
+            ];
+        }
         let color = pbr.base_color_texture.as_ref();
         let rough = pbr.metallic_roughness_texture.as_ref();
         let normal = material.normal_texture.as_ref().map(|n| {
@@ -71,6 +93,11 @@ impl Named {
             let transform = value.and_then(|v| serde_json::from_value(v.clone()).ok());
             Self::new("normalTexture", n.index.value(), n.tex_coord, transform)
         });
+        if let Some(glossy) = specular_glossiness(material) {
+            let slot = "extensions.KHR_materials_pbrSpecularGlossiness.diffuseTexture";
+            let diffuse = glossy.diffuse_texture.as_ref();
+            return [diffuse.map(|i| Self::of_info(slot, i)), None, normal];
+        }
         [
             color.map(|i| Self::of_info("baseColorTexture", i)),
             rough.map(|i| Self::of_info("metallicRoughnessTexture", i)),
@@ -84,21 +111,80 @@ impl Named {
     }
 }
 
-/// The texture that `named`, of the material `material`, says.
+/// Whether `material` shows its colour whatever lights there are.
+pub(super) fn is_unlit(material: &json::Material) -> bool {
+    let extensions = material.extensions.as_ref();
+    extensions.is_some_and(|e| e.unlit.is_some())
+}
+
+/// The model that `material` has in place of metallic and roughness, unless it is unlit.
+pub(super) fn specular_glossiness(material: &json::Material) -> Option<&PbrSpecularGlossiness> {
+    let extensions = material.extensions.as_ref();
+    let glossy = extensions.and_then(|e| e.pbr_specular_glossiness.as_ref());
+    glossy.filter(|_| !is_unlit(material))
+}
+
+/// Extensions that give a texture another image, of which the first is read.
+const IMAGES: [(&str, bool); 3] = [
+    ("EXT_texture_webp", true),
+    ("KHR_texture_basisu", false),
+    ("MSFT_texture_dds", false),
+];
+
+/// The image of texture `index`, and the field that names it. `None` where it has none that is read: then the texture is
+/// undefined (glTF 2.0, section 5.29.2).
+fn source(
+    index: usize,
+    texture: &json::Texture,
+    textures: &mut Textures,
+    file: &str,
+) -> Option<(usize, String)> {
+    let extensions = texture.extensions.as_ref();
+    let of = |name: &str| extensions.and_then(|e| e.others.get(name));
+    for (name, _) in IMAGES.into_iter().filter(|(_, is_read)| *is_read) {
+        let image = of(name).and_then(|e| e.get("source")?.as_u64());
+        if let Some(image) = image {
+            let field = format!("textures[{index}].extensions.{name}.source");
+            return Some((usize::try_from(image).unwrap_or(usize::MAX), field));
+        }
+    }
+    // What the crate reads where the field is missing.
+    const NONE: usize = u32::MAX as usize;
+    let image = texture.source.value();
+    if image != NONE {
+        return Some((image, format!("textures[{index}].source")));
+    }
+    let known = IMAGES.map(|(name, _)| name);
+    let named = known.into_iter().find(|name| of(name).is_some());
+    let other = extensions.and_then(|e| e.others.keys().next());
+    let why = match named.or(other.map(String::as_str)) {
+        Some(name) => format!("its image is that of the extension {name}, which is not supported"),
+        None => "it has no image".to_owned(),
+    };
+    textures.warn(format!(
+        "{file}: textures[{index}] is left out, factors are used: {why}"
+    ));
+    None
+}
+
+/// The texture that `named`, of the material `material`, says; `None` where it has no image that is read.
 pub(super) fn texture_use(
     document: &Document,
     named: &Named,
     material: &str,
     meaning: Meaning,
     textures: &mut Textures,
-) -> Result<TextureUse, InputError> {
+) -> Result<Option<TextureUse>, InputError> {
     let root = &document.root;
     let texture = document.get(&root.textures, named.texture, "texture", || {
         format!("{material}.{}.index", named.slot)
     })?;
     let field = format!("textures[{}]", named.texture);
-    let image = texture.source.value();
-    let json = document.get(&root.images, image, "image", || format!("{field}.source"))?;
+    let file = document.file_name();
+    let Some((image, source)) = source(named.texture, texture, textures, &file) else {
+        return Ok(None);
+    };
+    let json = document.get(&root.images, image, "image", || source)?;
     let id = textures.get(&document.image_name(image, json), None, meaning, || {
         document.image(image, json)
     })?;
@@ -114,12 +200,12 @@ pub(super) fn texture_use(
         let field = format!("{material}.{}.extensions.KHR_texture_transform", named.slot);
         return Err(document.error(field, "is not finite", "finite numbers"));
     }
-    Ok(TextureUse {
+    Ok(Some(TextureUse {
         texture: id,
         transform,
         wrap,
         interpolation,
-    })
+    }))
 }
 
 fn sampling(sampler: &json::texture::Sampler) -> ([Wrap; 2], Interpolation) {

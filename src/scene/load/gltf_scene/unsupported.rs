@@ -156,26 +156,17 @@ fn material_warnings(document: &Document, materials: &Materials, warnings: &mut 
 /// What materials' extensions ask for beyond what is simulated.
 fn extension_warnings(document: &Document, materials: &Materials, warnings: &mut Vec<String>) {
     type Uses = fn(&Material) -> bool;
-    let parts: [(&str, Uses, &str); 3] = [
+    let parts: [(&str, Uses, &str); 2] = [
         (
             "KHR_materials_transmission",
             |m| {
                 let pbr = &m.pbr_metallic_roughness;
-                let rough = pbr.roughness_factor.0 > 0.0 && pbr.metallic_factor.0 < 1.0;
+                // A texture may make glass of what the factor calls metal.
+                let glass = pbr.metallic_factor.0 < 1.0 || pbr.metallic_roughness_texture.is_some();
+                let rough = pbr.roughness_factor.0 > 0.0 && glass;
                 rough && transmission(m).is_some_and(|t| t.transmission_factor.0 > 0.0)
             },
             "roughness is ignored, the glass is smooth",
-        ),
-        (
-            "KHR_materials_transmission, KHR_materials_specular",
-            |m| {
-                let specular = m.extensions.as_ref().and_then(|e| e.specular.as_ref());
-                let texture = specular.is_some_and(|s| {
-                    s.specular_texture.is_some() || s.specular_color_texture.is_some()
-                });
-                texture || transmission(m).is_some_and(|t| t.transmission_texture.is_some())
-            },
-            "textures are ignored, factors are used",
         ),
         (
             "KHR_materials_volume",

@@ -61,6 +61,7 @@ impl Converter<'_> {
                 color,
                 metallic_roughness: None,
                 normal,
+                ..MaterialTextures::default()
             },
             opacity,
         };

@@ -52,6 +52,16 @@ pub(super) enum MaterialKind {
     Plastic(PlasticTable),
     /// glTF 2.0's metallic-roughness model.
     MetallicRoughness(MetallicRoughnessTable),
+    /// A surface that shows its colour whatever lights there are, and lights nothing.
+    Unlit(UnlitTable),
+}
+
+/// A surface that shows its colour.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct UnlitTable {
+    /// Radiance, each channel from 0 to 1.
+    pub(super) color: Rgb,
 }
 
 /// Ideal diffuse reflection.

@@ -32,6 +32,9 @@ pub(super) fn material(
             ior: t.ior,
             alpha: t.alpha,
         },
+        MaterialKind::Unlit(t) => Bsdf::Unlit {
+            color: DVec3::from_array(t.color.0),
+        },
         MaterialKind::MetallicRoughness(t) => Bsdf::MetallicRoughness {
             base_color: DVec3::from_array(t.base_color.0),
             metallic: t.metallic,
@@ -42,6 +45,7 @@ pub(super) fn material(
                 specular_color: DVec3::from_array(t.specular_color.0),
                 transmission: t.transmission,
                 thin: t.thin,
+                metal_mask: false,
             },
         },
     };

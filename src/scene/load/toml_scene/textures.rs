@@ -35,6 +35,7 @@ pub(super) fn of_material(
     Ok(MaterialTextures {
         color,
         metallic_roughness,
+        specular_glossiness: None,
         normal: normal.map(|texture| NormalMap {
             texture,
             scale: table.normal_scale.unwrap_or(1.0),

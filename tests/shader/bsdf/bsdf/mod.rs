@@ -37,6 +37,7 @@ fn rounded(m: BsdfParameters) -> BsdfParameters {
             }
         }),
         transmission: None,
+        unlit: false,
     }
 }
 
@@ -45,6 +46,7 @@ fn lobe(diffuse: DVec3, fresnel: Fresnel, alpha: f64) -> BsdfParameters {
         diffuse,
         specular: Some(SpecularLobe::new(fresnel, alpha)),
         transmission: None,
+        unlit: false,
     })
 }
 
@@ -89,6 +91,7 @@ fn diffuse(albedo: f64) -> BsdfParameters {
         diffuse: DVec3::splat(albedo),
         specular: None,
         transmission: None,
+        unlit: false,
     })
 }
 
