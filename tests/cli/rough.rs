@@ -250,27 +250,32 @@ fn a_folder_that_goes_leaves_the_image_elsewhere() {
     assert!(warnings <= 1, "one warning for all: {said}");
 }
 
+/// Terminals that are closed say so twice, and services that are stopped are told in several ways: the facts, which wait for their reader,
+/// are written all the same.
 #[test]
 fn signals_end_a_render_with_its_image() {
-    for signals in [
-        &["-HUP", "-HUP"][..],
-        &["-TERM", "-HUP", "-TERM"],
-        &["-INT"],
-    ] {
+    for signals in [["-HUP", "-HUP"], ["-TERM", "-HUP"], ["-INT", "-TERM"]] {
         let folder = folder();
-        let out = folder.path().join("a.exr");
-        let mut running = Running::start(&mut endless(folder.path(), "a.exr"));
+        let [out, pipe] = ["a.exr", "pipe"].map(|name| folder.path().join(name));
+        assert!(
+            Command::new("mkfifo")
+                .arg(&pipe)
+                .status()
+                .unwrap()
+                .success()
+        );
+        let mut running = Running::start(endless(folder.path(), "a.exr").args(["--json", "pipe"]));
         running.wait_for("an image", || out.exists());
-        std::fs::remove_file(&out).unwrap();
-        for (i, signal) in signals.iter().enumerate() {
-            // Two of a kind are one where they come at once.
-            if i > 0 {
-                std::thread::sleep(Duration::from_millis(120));
-            }
-            let id = running.0.id().to_string();
-            // One of them may have been enough.
-            let _ = Command::new("kill").args([signal, id.as_str()]).output();
+        for signal in signals {
+            running.send(signal);
+            // Two that come at once are one.
+            std::thread::sleep(Duration::from_millis(150));
         }
+        let ended = running.0.try_wait().unwrap();
+        assert!(ended.is_none(), "{signals:?}: {ended:?}");
+        let facts = std::fs::read_to_string(&pipe).unwrap();
+        let facts: Value = serde_json::from_str(&facts).unwrap();
+        assert_eq!(facts["stopped_by"], "interrupt");
         let (status, said) = running.end();
         assert_eq!((status.code(), said.as_str()), (Some(0), ""), "{signals:?}");
         assert!(!colours(&out).is_empty());
