@@ -6,11 +6,13 @@
 use super::octahedral::octahedral;
 use super::{Primitive, PrimitiveGeometry};
 use crate::scene::texture::{disk_uv, rectangle_uv};
-use crate::scene::{Geometry, Mesh, Scene};
+use crate::scene::{Geometry, Material, Mesh, Scene};
 use glam::{DVec2, DVec3, Vec4};
 
 /// Words of a triangle's normals and texture coordinates, where it has either.
 const NORMAL_AND_UV_WORDS: usize = 3;
+/// Words of a triangle's colours, where it has them.
+const COLOR_WORDS: usize = 3;
 
 /// Which attributes a primitive has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -23,6 +25,8 @@ pub struct Attributed {
     pub uvs: bool,
     /// Vertex colours that are not all white and opaque.
     pub colors: bool,
+    /// A second set of texture coordinates that its material reads, beside the first.
+    pub second_uvs: bool,
     /// An opacity that is not 1 everywhere.
     pub opacity: bool,
 }
@@ -36,13 +40,17 @@ impl Attributed {
         };
         self.word as usize + before
     }
+
+    fn second_uv_word(&self) -> usize {
+        self.color_word() + if self.colors { COLOR_WORDS } else { 0 }
+    }
 }
 
 /// The attributes of all primitives.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Attributes {
     /// Per triangle that has any: three words of its normals (octahedrally encoded) and texture coordinates, where it has
-    /// either, then one word for the colour of each vertex, where it has colours.
+    /// either, then one word for the colour of each vertex, where it has colours, and two of further texture coordinates.
     pub words: Vec<[f32; 4]>,
     /// Per primitive.
     pub of_primitive: Vec<Attributed>,
@@ -82,22 +90,28 @@ impl Attributes {
         [0, 1, 2].map(|corner| self.words[first + corner])
     }
 
+    /// Second texture coordinates at the vertices of the triangle `of`, which has them.
+    pub fn second_uvs(&self, of: &Attributed) -> [[f32; 2]; 3] {
+        let first = of.second_uv_word();
+        let ([ax, ay, bx, by], [cx, cy, ..]) = (self.words[first], self.words[first + 1]);
+        [[ax, ay], [bx, by], [cx, cy]]
+    }
+
     fn add(&mut self, scene: &Scene, primitive: &Primitive) -> Attributed {
         let material = &scene.materials[primitive.material.index()];
-        let textured = material.texture_uses().next().is_some();
+        let coordinates = TriangleUvs::new(scene, primitive, material);
         let none = Attributed::default();
         let (mut attributed, alpha) = match primitive.geometry {
             PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => (none, 1.0),
             PrimitiveGeometry::Rectangle { .. } | PrimitiveGeometry::Disk { .. } => {
-                let uvs = textured;
+                let uvs = coordinates.first.is_some();
                 (Attributed { uvs, ..none }, 1.0)
             }
             PrimitiveGeometry::Triangle { u, v, .. } => {
-                let uvs = textured.then(|| texture_coordinates(scene, primitive));
                 match &scene.shapes[primitive.shape.index()].geometry {
                     Geometry::Mesh(mesh) => {
                         let corners = mesh.triangles[primitive.part as usize];
-                        self.add_triangle(mesh, corners, u.cross(v).normalize(), uvs.flatten())
+                        self.add_triangle(mesh, corners, u.cross(v).normalize(), coordinates)
                     }
                     _ => (none, 1.0),
                 }
@@ -115,7 +129,10 @@ impl Attributes {
         mesh: &Mesh,
         corners: [u32; 3],
         own: DVec3,
-        uvs: Option<[DVec2; 3]>,
+        TriangleUvs {
+            first: uvs,
+            second: second_uvs,
+        }: TriangleUvs,
     ) -> (Attributed, f32) {
         let corners = corners.map(|i| i as usize);
         let normals = vertex_normals(mesh, corners, own);
@@ -126,18 +143,54 @@ impl Attributes {
             normals: normals.is_some(),
             uvs: uvs.is_some(),
             colors: colors.is_some(),
+            second_uvs: second_uvs.is_some(),
             opacity: false,
         };
         if normals.is_some() || uvs.is_some() {
             let normals = normals.unwrap_or_default();
             let [a, b, c] = normals.map(|n| octahedral(n).as_vec2().to_array());
-            let [d, e, f] = uvs.unwrap_or_default().map(|uv| uv.as_vec2().to_array());
-            let word = |[x, y]: [f32; 2], [z, w]: [f32; 2]| [x, y, z, w];
+            let [d, e, f] = rounded(uvs.unwrap_or_default());
             self.words.extend([word(a, b), word(c, d), word(e, f)]);
         }
         let colors = colors.into_iter().flatten();
         self.words.extend(colors.clone().map(|c| c.to_array()));
+        if let Some(uvs) = second_uvs {
+            let [a, b, c] = rounded(uvs);
+            self.words.extend([word(a, b), word(c, [0.0; 2])]);
+        }
         (attributed, colors.fold(1.0, |least, c| c.w.min(least)))
+    }
+}
+
+fn word([x, y]: [f32; 2], [z, w]: [f32; 2]) -> [f32; 4] {
+    [x, y, z, w]
+}
+
+fn rounded(uvs: [DVec2; 3]) -> [[f32; 2]; 3] {
+    uvs.map(|uv| uv.as_vec2().to_array())
+}
+
+/// The texture coordinates that a primitive's material reads.
+struct TriangleUvs {
+    first: Option<[DVec2; 3]>,
+    second: Option<[DVec2; 3]>,
+}
+
+impl TriangleUvs {
+    /// All that `material`, which `primitive` has, reads, or none: where one set is missing no texture is read.
+    fn new(scene: &Scene, primitive: &Primitive, material: &Material) -> Self {
+        let textured = material.texture_uses().next().is_some();
+        let twofold = material.reads_second_uvs();
+        let read = |wanted: bool, second| {
+            let uvs = wanted.then(|| texture_coordinates(scene, primitive, second));
+            uvs.flatten()
+        };
+        let (first, second) = (read(textured, false), read(twofold, true));
+        let complete = first.is_some() && second.is_some() == twofold;
+        Self {
+            first: first.filter(|_| complete),
+            second: second.filter(|_| complete),
+        }
     }
 }
 
@@ -163,22 +216,28 @@ fn vertex_colors(mesh: &Mesh, corners: [usize; 3]) -> Option<[Vec4; 3]> {
     colors.iter().any(|c| *c != Vec4::ONE).then_some(colors)
 }
 
-/// Texture coordinates at a primitive's points a, a + u and a + v; `None` where it has none.
-pub fn texture_coordinates(scene: &Scene, primitive: &Primitive) -> Option<[DVec2; 3]> {
+/// Texture coordinates at a primitive's points a, a + u and a + v, those of the second set where `second`; `None` where it has
+/// none.
+pub fn texture_coordinates(
+    scene: &Scene,
+    primitive: &Primitive,
+    second: bool,
+) -> Option<[DVec2; 3]> {
     let corners = [DVec2::ZERO, DVec2::X, DVec2::Y];
     match primitive.geometry {
-        PrimitiveGeometry::Rectangle { .. } => Some(corners.map(rectangle_uv)),
-        PrimitiveGeometry::Disk { .. } => Some(corners.map(disk_uv)),
+        PrimitiveGeometry::Rectangle { .. } => (!second).then(|| corners.map(rectangle_uv)),
+        PrimitiveGeometry::Disk { .. } => (!second).then(|| corners.map(disk_uv)),
         PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => None,
         PrimitiveGeometry::Triangle { .. } => {
             let Geometry::Mesh(mesh) = &scene.shapes[primitive.shape.index()].geometry else {
                 return None;
             };
-            if mesh.uvs.is_empty() {
+            let all = if second { &mesh.second_uvs } else { &mesh.uvs };
+            if all.is_empty() {
                 return None;
             }
             let corners = mesh.triangles[primitive.part as usize];
-            let uvs = corners.map(|i| mesh.uvs[i as usize]);
+            let uvs = corners.map(|i| all[i as usize]);
             uvs.iter().all(|uv| uv.is_finite()).then_some(uvs)
         }
     }

@@ -54,7 +54,7 @@ struct Textured<'a> {
 impl<'a> Textured<'a> {
     fn new(scene: &'a Scene, primitive: &'a Primitive) -> Option<Self> {
         let used = scene.shapes[primitive.shape.index()].emission?.texture?;
-        let uvs = texture_coordinates(scene, primitive)?;
+        let uvs = texture_coordinates(scene, primitive, used.second_uvs)?;
         let texture = &scene.textures[used.texture.index()];
         let size = DVec2::new(texture.width.into(), texture.height.into());
         let on_image = |d: DVec2| (used.transform.matrix2 * d * size).length();
@@ -244,6 +244,7 @@ mod tests {
                 transform: DAffine2::IDENTITY,
                 wrap: [Wrap::Clamp; 2],
                 interpolation: Interpolation::Nearest,
+                second_uvs: false,
             },
             shape: ShapeId(0),
             uvs,

@@ -301,6 +301,8 @@ shared! {
     "scene::texture" WRAP_CLAMP = 2;
     /// Set beside the wrapping modes where an image is constant in each texel.
     "scene::texture" NEAREST_BIT = 16;
+    /// Set beside the wrapping modes where an image is read with the second texture coordinates.
+    "scene::texture" SECOND_UVS_BIT = 32;
     /// A triangle that emits.
     "scene::fetch" LIGHT_TRIANGLE = 0;
     /// A rectangle that emits.

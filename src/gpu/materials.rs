@@ -2,8 +2,8 @@
 
 use super::layout::{
     COMPENSATED_BIT, FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK,
-    MATERIAL_WORDS, NEAREST_BIT, NONE, TEXTURED_WORDS, THIN_BIT, UNLIT_BIT, WRAP_CLAMP,
-    WRAP_MIRROR, WRAP_REPEAT,
+    MATERIAL_WORDS, NEAREST_BIT, NONE, SECOND_UVS_BIT, TEXTURED_WORDS, THIN_BIT, UNLIT_BIT,
+    WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT,
 };
 use super::scene_buffers::{Word, bits, word};
 use super::textures::Atlas;
@@ -190,7 +190,8 @@ fn texture_words(scene: &Scene, used: &TextureUse, atlas: &Atlas) -> [Word; 3] {
         Interpolation::Linear => 0,
     };
     let pair = |[x, y]: [u32; 2]| x | y << 16;
-    let modes = mode(used.wrap[0]) | mode(used.wrap[1]) << 2 | nearest;
+    let second = if used.second_uvs { SECOND_UVS_BIT } else { 0 };
+    let modes = mode(used.wrap[0]) | mode(used.wrap[1]) << 2 | nearest | second;
     [
         word(row(0), pair([texture.width, texture.height])),
         word(row(1), pair(place.origin)),

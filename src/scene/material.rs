@@ -26,6 +26,11 @@ impl Material {
     pub fn texture_uses(&self) -> impl Iterator<Item = TextureUse> {
         self.textures.uses().chain(self.opacity.texture)
     }
+
+    /// Whether one of them is read with a mesh's second texture coordinates.
+    pub fn reads_second_uvs(&self) -> bool {
+        self.texture_uses().any(|used| used.second_uvs)
+    }
 }
 
 /// The scattering functions of a scene file.

@@ -186,6 +186,7 @@ impl Mesh {
             triangles: _,
             normals,
             uvs,
+            second_uvs,
             colors,
         } = self;
         let index = positions.len() as u32;
@@ -194,8 +195,10 @@ impl Mesh {
             let [from, to] = [a, b].map(|i| normals[i].normalize_or_zero());
             normals.push(0.5 * (from + to));
         }
-        if !uvs.is_empty() {
-            uvs.push(0.5 * (uvs[a] + uvs[b]));
+        for uvs in [uvs, second_uvs] {
+            if !uvs.is_empty() {
+                uvs.push(0.5 * (uvs[a] + uvs[b]));
+            }
         }
         if !colors.is_empty() {
             colors.push(0.5 * (colors[a] + colors[b]));

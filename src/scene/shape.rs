@@ -106,6 +106,8 @@ pub struct Mesh {
     pub normals: Vec<DVec3>,
     /// Texture coordinates, one per position, or none; (0, 0) is the upper left corner of an image.
     pub uvs: Vec<DVec2>,
+    /// Further texture coordinates, likewise, for textures that are read with them.
+    pub second_uvs: Vec<DVec2>,
     /// Vertex colours, one per position, or none: linear factors in [0, 1] on the reflectance or base colour (red, green,
     /// blue) and on the opacity (alpha). Interpolated over triangles.
     pub colors: Vec<Vec4>,

@@ -105,6 +105,8 @@ pub struct TextureUse {
     pub wrap: [Wrap; 2],
     /// Between texel centres.
     pub interpolation: Interpolation,
+    /// Whether it is read with a mesh's second texture coordinates.
+    pub second_uvs: bool,
 }
 
 /// A normal map: tangent-space normals, `2·rgb − 1`, x along growing u and y along falling v.

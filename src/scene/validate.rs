@@ -189,6 +189,7 @@ impl Check<'_> {
         for (count, what) in [
             (mesh.normals.len(), "normals"),
             (mesh.uvs.len(), "texture coordinates"),
+            (mesh.second_uvs.len(), "second texture coordinates"),
             (mesh.colors.len(), "colours"),
         ] {
             self.require(

@@ -13,6 +13,7 @@ mod one_pixel;
 mod opacity;
 mod pixel_filter;
 mod random_polygons;
+pub mod second_uvs;
 mod shadow_rays;
 mod strategies;
 mod test_scenes;

@@ -11,6 +11,7 @@ mod fuzz;
 mod gltf;
 mod gltf_accessors;
 mod gltf_containers;
+mod gltf_coordinates;
 mod gltf_models;
 mod gltf_nodes;
 mod gltf_poses;

@@ -3,6 +3,7 @@
 use super::fetch::{Primitive, World};
 use crate::accel::PrimitiveGeometry;
 use crate::reference::core::octahedral::from_octahedral;
+use crate::scene::TextureUse;
 pub use crate::scene::texture::interpolate_uv;
 use crate::scene::texture::{disk_uv, rectangle_uv};
 use glam::{DVec2, DVec3, DVec4};
@@ -33,6 +34,16 @@ pub fn fetch_uvs(world: &World<'_>, p: &Primitive) -> VertexUvs {
         PrimitiveGeometry::Rectangle { .. } => corners.map(rectangle_uv),
         PrimitiveGeometry::Disk { .. } => corners.map(disk_uv),
         _ => world.prepared.attributes.uvs(&p.attributed).map(pair),
+    }
+}
+
+/// The texture coordinates of `p` that `texture` is read with.
+pub fn uvs_of(world: &World<'_>, p: &Primitive, texture: &TextureUse) -> VertexUvs {
+    if texture.second_uvs {
+        let attributes = &world.prepared.attributes;
+        attributes.second_uvs(&p.attributed).map(pair)
+    } else {
+        fetch_uvs(world, p)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Opacity: whether a surface stops a ray; see `shaders/scene/opacity.wesl`.
 
-use super::attributes::{fetch_colors, fetch_uvs, interpolate_color, interpolate_uv};
+use super::attributes::{fetch_colors, interpolate_color, interpolate_uv, uvs_of};
 use super::fetch::{Primitive, World};
 use super::texture::sample_texture;
 use crate::reference::core::rng::pcg4d;
@@ -71,7 +71,7 @@ pub fn opacity_at(world: &World<'_>, p: &Primitive, st: DVec2) -> f64 {
         factor *= interpolate_color(&fetch_colors(world, p), st).w;
     }
     if let Some(texture) = opacity.texture.filter(|_| p.attributed.uvs) {
-        let uv = interpolate_uv(&fetch_uvs(world, p), st);
+        let uv = interpolate_uv(&uvs_of(world, p, &texture), st);
         factor *= sample_texture(world, &texture, uv).w;
     }
     opacity.at(factor)

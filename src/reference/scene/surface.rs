@@ -1,8 +1,8 @@
 //! The surface where a ray ended.
 
 use super::attributes::{
-    fetch_colors, fetch_normals, fetch_uvs, interpolate_color, interpolate_normal, interpolate_uv,
-    map_normal, seen_normal, terminator_offset,
+    fetch_colors, fetch_normals, interpolate_color, interpolate_normal, interpolate_uv, map_normal,
+    seen_normal, terminator_offset, uvs_of,
 };
 use super::fetch::{Primitive, World};
 use super::textured::{mapped_normal, texture_factors, textured_material};
@@ -84,11 +84,10 @@ fn shading_at(
         factors.color = interpolate_color(&fetch_colors(world, p), st).truncate();
     }
     if p.attributed.uvs {
-        let uvs = fetch_uvs(world, p);
-        let uv = interpolate_uv(&uvs, st);
-        factors = texture_factors(world, factors, material, uv);
+        factors = texture_factors(world, factors, material, p, st);
         if let Some(map) = &material.textures.normal {
-            let mapped = mapped_normal(world, map, uv);
+            let uvs = uvs_of(world, p, &map.texture);
+            let mapped = mapped_normal(world, map, interpolate_uv(&uvs, st));
             let around = shading.normal.unwrap_or(normal);
             shading.normal = Some(map_normal(mapped, &uvs, u, v, around));
         }

@@ -72,6 +72,7 @@ fn scene(interpolation: Interpolation) -> Scene {
             transform: DAffine2::IDENTITY,
             wrap: [Wrap::Mirror; 2],
             interpolation,
+            second_uvs: false,
         });
         scene.shapes.push(light);
     }

@@ -3,10 +3,11 @@
 use crate::support::context;
 use crate::support::random::Random;
 use crate::support::rounding::U;
-use crate::support::shader::{Answers, Function, call, words};
+use crate::support::shader::{Answers, Function, call, call_in, words};
 use direkt::reference::scene::attributes::{
-    interpolate_color, interpolate_normal, map_normal, seen_normal, terminator_offset,
+    interpolate_color, interpolate_normal, map_normal, seen_normal, terminator_offset, uvs_of,
 };
+use direkt::reference::scene::fetch::World;
 use glam::{DVec2, DVec3, DVec4};
 
 /// A triangle with vertex normals and texture coordinates, a point of it, a value of a normal map and a view.
@@ -177,6 +178,48 @@ fn seen_normals_face_the_viewer() {
         }
         if before > 0.011 {
             assert!(got.distance(c.normals[0]) < 8.0 * U, "{got}");
+        }
+    }
+}
+
+/// Each texture of a material with two sets of texture coordinates is read with its own, behind vertex colours.
+#[test]
+fn textures_are_read_with_the_coordinates_of_their_set() {
+    let prepared = super::prepared(crate::render::second_uvs::floor([false, true]));
+    let world = World::new(&prepared);
+    let material = &prepared.scene.materials[0];
+    let function = Function {
+        imports: "import package::scene::attributes::{fetch_uvs, uvs_of};
+                  import package::scene::fetch::{fetch_primitive, textured_word};
+                  import package::scene::bindings::materials;
+                  import package::scene::textured::fetch_textures;",
+        body: "let p = fetch_primitive(item);
+               let word = textured_word(p.material);
+               let first = fetch_uvs(p);
+               let color = uvs_of(p, first, fetch_textures(word).color);
+               let alpha = uvs_of(p, first, bitcast<u32>(materials[word + 3u].w));
+               out_vec2f(0u, color.a); out_vec2f(2u, color.b); out_vec2f(4u, color.c);
+               out_vec2f(6u, alpha.a); out_vec2f(8u, alpha.b); out_vec2f(10u, alpha.c);",
+        outputs: 12,
+        ..Function::default()
+    };
+    let answers = call_in(
+        &context(),
+        &prepared,
+        &function,
+        &[],
+        world.primitives.len(),
+    );
+    let textures = [material.textures.color, material.opacity.texture];
+    for (first_word, texture) in [0, 6].into_iter().zip(textures) {
+        let texture = texture.expect("both are there");
+        for (i, p) in world.primitives.iter().enumerate() {
+            let expected = uvs_of(&world, p, &texture);
+            assert_eq!(expected[0].x > 0.5, texture.second_uvs);
+            for (corner, expected) in expected.into_iter().enumerate() {
+                let got = answers.vec2(first_word + 2 * corner).nth(i);
+                assert_eq!(got, Some(expected), "primitive {i}");
+            }
         }
     }
 }

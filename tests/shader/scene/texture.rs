@@ -135,6 +135,7 @@ fn footprints_are_the_twins() {
                             } else {
                                 Interpolation::Linear
                             },
+                            second_uvs: false,
                         };
                         let modes = wrap_u | wrap_v << 2 | if nearest { NEAREST_BIT } else { 0 };
                         cases.push((used, size, uv, modes));

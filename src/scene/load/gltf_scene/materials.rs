@@ -1,5 +1,6 @@
 //! Materials: the factors of the metallic-roughness model, opacity and emission.
 
+use super::coordinates::CoordinateSets;
 use super::document::Document;
 use super::layers;
 use super::textures::{Named, is_unlit, specular_glossiness, texture_use};
@@ -12,7 +13,7 @@ use crate::scene::{
 use glam::DVec3;
 use gltf::json::material::AlphaMode;
 use gltf::json::validation::Checked;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The materials that shapes use, converted when the first does.
 pub(super) struct Materials<'a> {
@@ -20,8 +21,9 @@ pub(super) struct Materials<'a> {
     first: usize,
     textures: Textures,
     used: Vec<Material>,
-    /// From the file's index (`None`: glTF's default material) to the place in `used`, and the emission.
-    places: BTreeMap<Option<usize>, (usize, Option<Emission>)>,
+    /// From the file's index (`None`: glTF's default material) and the texture coordinates that there are, to the place in
+    /// `used`, and the emission.
+    places: BTreeMap<(Option<usize>, CoordinateSets), (usize, Option<Emission>)>,
 }
 
 impl<'a> Materials<'a> {
@@ -36,22 +38,23 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// The id and the emission of the material that the primitive `field` names.
+    /// The id and the emission of the material that the primitive `field`, which has the texture coordinates `sets`, names.
     pub(super) fn use_material(
         &mut self,
         index: Option<usize>,
+        sets: CoordinateSets,
         field: &str,
     ) -> Result<(MaterialId, Option<Emission>), InputError> {
-        let (place, emission) = match self.places.get(&index) {
+        let (place, emission) = match self.places.get(&(index, sets)) {
             Some(known) => *known,
             None => {
                 let (material, emission) = match index {
-                    Some(index) => self.convert(index, field)?,
+                    Some(index) => self.convert(index, sets, field)?,
                     None => (default_material(), None),
                 };
                 let place = self.used.len();
                 self.used.push(material);
-                self.places.insert(index, (place, emission));
+                self.places.insert((index, sets), (place, emission));
                 (place, emission)
             }
         };
@@ -61,7 +64,8 @@ impl<'a> Materials<'a> {
 
     /// Indices in the file of the materials that are used.
     pub(super) fn used_indices(&self) -> impl Iterator<Item = usize> + '_ {
-        self.places.keys().filter_map(|index| *index)
+        let indices = self.places.keys().filter_map(|(index, _)| *index);
+        indices.collect::<BTreeSet<usize>>().into_iter()
     }
 
     /// The converted materials and their textures, in the order of their ids.
@@ -72,6 +76,7 @@ impl<'a> Materials<'a> {
     fn convert(
         &mut self,
         index: usize,
+        sets: CoordinateSets,
         field: &str,
     ) -> Result<(Material, Option<Emission>), InputError> {
         let document = self.document;
@@ -82,7 +87,7 @@ impl<'a> Materials<'a> {
         let mut layer = dielectric_layer(document, json, &name)?;
         layers::fold(document, json, &name, &mut layer, &mut self.textures)?;
         let bsdf = bsdf(document, json, &name, layer)?;
-        let textures = self.textures_of(json, &name)?;
+        let textures = self.textures_of(json, sets, &name)?;
         let mut opacity = opacity(document, json, &name, textures.color)?;
         self.textures.settle_cutoff(&mut opacity);
         let material = Material {
@@ -94,7 +99,8 @@ impl<'a> Materials<'a> {
             opacity,
         };
         let mut emission = emission(document, json, &name)?;
-        if let (Some(emission), Some(named)) = (&mut emission, Named::of_emission(json)) {
+        let emitted = Named::of_emission(json).and_then(|named| sets.choose(named));
+        if let (Some(emission), Some(named)) = (&mut emission, emitted) {
             let read = texture_use(document, &named, &name, Meaning::Color, &mut self.textures)?;
             emission.texture = read;
         }
@@ -104,9 +110,11 @@ impl<'a> Materials<'a> {
     fn textures_of(
         &mut self,
         json: &gltf::json::Material,
+        sets: CoordinateSets,
         name: &str,
     ) -> Result<MaterialTextures, InputError> {
-        let [color, rough, normal] = Named::of_material(json);
+        let named = Named::of_material(json);
+        let [color, rough, normal] = named.map(|named| named.and_then(|named| sets.choose(named)));
         let document = self.document;
         let mut read = |named: Option<Named>, meaning| {
             let Some(named) = named else { return Ok(None) };
@@ -114,7 +122,7 @@ impl<'a> Materials<'a> {
         };
         let color = read(color, Meaning::Color)?;
         let metallic_roughness = read(rough, Meaning::Data)?;
-        let glossiness = Named::of_specular_glossiness(json);
+        let glossiness = Named::of_specular_glossiness(json).and_then(|named| sets.choose(named));
         let specular_glossiness = read(glossiness, Meaning::Color)?;
         let normal = read(normal, Meaning::Vector)?;
         let scale = json.normal_texture.as_ref().map_or(1.0, |n| n.scale);

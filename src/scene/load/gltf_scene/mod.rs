@@ -7,6 +7,7 @@ mod accessors;
 mod cameras;
 mod colors;
 mod container;
+mod coordinates;
 mod document;
 mod instances;
 mod layers;
@@ -149,7 +150,7 @@ fn shapes(
                 continue;
             }
             let (material, emission): (MaterialId, _) =
-                materials.use_material(instance.material, &instance.field)?;
+                materials.use_material(instance.material, instance.sets, &instance.field)?;
             shapes.push(Shape {
                 name: format!("{prefix}{}", instance.name),
                 geometry: Geometry::Mesh(instance.mesh),

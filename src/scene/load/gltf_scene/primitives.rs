@@ -2,12 +2,12 @@
 
 use super::accessors::{self, RESTART};
 use super::colors;
+use super::coordinates::CoordinateSets;
 use super::document::Document;
 use super::instances::{self, Place};
 use super::morph::{self, Weights};
 use super::nodes::Placed;
 use super::skins::{self, Skins};
-use super::textures::Named;
 use crate::error::InputError;
 use crate::scene::load::transform;
 use crate::scene::{Geometry, Mesh};
@@ -31,6 +31,8 @@ pub(super) struct Instance {
     pub(super) mesh: Mesh,
     /// Index of its material in the file; `None` is glTF's default material.
     pub(super) material: Option<usize>,
+    /// Its texture coordinates.
+    pub(super) sets: CoordinateSets,
     /// `meshes[5].primitives[0]`, for messages.
     pub(super) field: String,
 }
@@ -137,6 +139,7 @@ impl<'a> Primitives<'a> {
                     name: format!("{label} (mesh {mesh_index}{part}{suffix})"),
                     mesh: moved,
                     material: primitive.material.map(|m| m.value()),
+                    sets: CoordinateSets::of(document, primitive),
                     field: field.clone(),
                 });
             }
@@ -247,13 +250,18 @@ fn triangles(
         normals = accessors::vectors(document, index, &field)?;
         same_count(document, &field, normals.len(), count)?;
     }
-    let mut uvs = Vec::new();
-    let set = coordinate_set(document, primitive);
-    if let Some(index) = accessor(Semantic::TexCoords(set)) {
+    let coordinates = |set: Option<u32>| {
+        let found = set.and_then(|set| Some((set, accessor(Semantic::TexCoords(set))?)));
+        let Some((set, index)) = found else {
+            return Ok(Vec::new());
+        };
         let field = format!("{attributes}.TEXCOORD_{set}");
-        uvs = accessors::coordinates(document, index, &field)?;
+        let uvs = accessors::coordinates(document, index, &field)?;
         same_count(document, &field, uvs.len(), count)?;
-    }
+        Ok(uvs)
+    };
+    let sets = CoordinateSets::of(document, primitive);
+    let (uvs, second_uvs) = (coordinates(Some(sets.first))?, coordinates(sets.second)?);
     let indices_field = format!("{field}.indices");
     let restarts = mode != Mode::Triangles;
     let corners = match primitive.indices {
@@ -280,15 +288,9 @@ fn triangles(
         positions,
         normals,
         uvs,
+        second_uvs,
         colors: colors::of_primitive(document, primitive, &attributes, count)?,
     }))
-}
-
-/// The texture coordinates that the material of `primitive` asks for first.
-pub(super) fn coordinate_set(document: &Document, primitive: &Primitive) -> u32 {
-    let index = primitive.material.map(|m| m.value());
-    let material = index.and_then(|i| document.root.materials.get(i));
-    material.map_or(0, Named::coordinates_of)
 }
 
 /// Refuses an attribute whose count is another than that of the positions.

@@ -20,6 +20,8 @@ pub(super) struct Named {
     texture: usize,
     /// Index of the texture coordinates that it is read with.
     pub(super) coordinates: u32,
+    /// Whether these are the second ones of the mesh.
+    pub(super) second_uvs: bool,
     transform: Option<TextureTransform>,
 }
 
@@ -35,6 +37,7 @@ impl Named {
             slot,
             texture,
             coordinates: own.unwrap_or(coordinates),
+            second_uvs: false,
             transform,
         }
     }
@@ -103,11 +106,6 @@ impl Named {
             rough.map(|i| Self::of_info("metallicRoughnessTexture", i)),
             normal,
         ]
-    }
-
-    /// Index of the texture coordinates that the textures of `material` are read with: a mesh carries one.
-    pub(super) fn coordinates_of(material: &json::Material) -> u32 {
-        Self::all(material).next().map_or(0, |n| n.coordinates)
     }
 }
 
@@ -205,6 +203,7 @@ pub(super) fn texture_use(
         transform,
         wrap,
         interpolation,
+        second_uvs: named.second_uvs,
     }))
 }
 

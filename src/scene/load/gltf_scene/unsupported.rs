@@ -1,11 +1,10 @@
 //! What a file uses and direkt does not do: one sentence for each kind.
 
+use super::coordinates::{asked_sets, has_set};
 use super::document::Document;
 use super::lights;
 use super::materials::Materials;
 use super::nodes::Placed;
-use super::primitives::coordinate_set;
-use super::textures::Named;
 use gltf::json;
 use gltf::json::material::Material;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -72,17 +71,9 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
             .any(|k| matches!(k, Checked::Valid(s) if wanted(s)))
     };
     add(
-        count(&|p| {
-            let set = coordinate_set(document, p);
-            is_textured(document, p) && !has(p, &|s| *s == Semantic::TexCoords(set))
-        }),
+        count(&|p| lacks_coordinates(document, p)),
         "textures",
         "have no texture coordinates: their factors are used",
-    );
-    add(
-        count(&|p| reads_two_sets(document, p)),
-        "textures",
-        "are read with several TEXCOORD sets: all of a material are read with one",
     );
     add(
         count(&|p| has(p, &|s| matches!(s, Semantic::Colors(set) if *set > 0))),
@@ -109,19 +100,12 @@ fn is_of_triangles(primitive: &Primitive) -> bool {
     )
 }
 
-fn named_textures(document: &Document, primitive: &Primitive) -> impl Iterator<Item = Named> {
+/// Whether a texture of its material is read with texture coordinates that `primitive` does not have.
+fn lacks_coordinates(document: &Document, primitive: &Primitive) -> bool {
     let index = primitive.material.map(|m| m.value());
     let material = index.and_then(|i| document.root.materials.get(i));
-    material.into_iter().flat_map(Named::all)
-}
-
-fn is_textured(document: &Document, primitive: &Primitive) -> bool {
-    named_textures(document, primitive).next().is_some()
-}
-
-fn reads_two_sets(document: &Document, primitive: &Primitive) -> bool {
-    let set = coordinate_set(document, primitive);
-    named_textures(document, primitive).any(|named| named.coordinates != set)
+    let asked = material.map_or_else(Vec::new, asked_sets);
+    asked.iter().take(2).any(|&set| !has_set(primitive, set))
 }
 
 /// The primitives that placed nodes show, each once per node.
@@ -143,6 +127,20 @@ fn material_warnings(document: &Document, materials: &Materials, warnings: &mut 
         .used_indices()
         .filter_map(|i| document.root.materials.get(i))
         .collect();
+    for material in materials.used_indices() {
+        let Some(json) = document.root.materials.get(material) else {
+            continue;
+        };
+        if let [first, second, further @ ..] = asked_sets(json).as_slice()
+            && !further.is_empty()
+        {
+            let further: Vec<String> = further.iter().map(|n| format!("TEXCOORD_{n}")).collect();
+            warnings.push(format!(
+                "{file}: materials[{material}] reads textures with more than two sets of texture coordinates: beside TEXCOORD_{first} and TEXCOORD_{second}, those with {} are ignored",
+                further.join(", ")
+            ));
+        }
+    }
     let occluded = used.iter().filter(|m| m.occlusion_texture.is_some());
     let count = occluded.count();
     if count > 0 {

@@ -203,6 +203,7 @@ impl Converter<'_> {
             transform: map.transform(),
             wrap: map.wrap,
             interpolation: Interpolation::Linear,
+            second_uvs: false,
         })
     }
 

@@ -44,6 +44,7 @@ impl Elements {
             uvs: all(uvs).map(|v| DVec2::new(v.uv.x, 1.0 - v.uv.y)).collect(),
             colors: self.colors(path, warnings)?,
             triangles: Vec::with_capacity(self.faces.len()),
+            second_uvs: Vec::new(),
         };
         let mut triangulator = Triangulator::default();
         let mut corners = Vec::new();

@@ -80,5 +80,6 @@ pub(super) fn texture_use(
         transform: DAffine2::from_scale(DVec2::from_array(table.repeat)),
         wrap: table.wrap,
         interpolation: table.interpolation,
+        second_uvs: false,
     })
 }
