@@ -108,6 +108,8 @@ effects! {
     NormalMap "NORMAL_MAP" "normal-map" Simulation |r| r.texture(|t| t.normal.map(|map| map.texture));
     /// Textures of one material that are read with two sets of texture coordinates.
     SecondUvs "SECOND_UVS" "second-texture-coordinates" Simulation |r| r.attributed(|a| a.second_uvs);
+    /// Tangents of vertices for normal maps.
+    Tangents "TANGENTS" "tangents" Simulation |r| r.attributed(|a| a.tangents);
     /// Surfaces that stop a ray by chance, or where a mask is.
     Alpha "ALPHA" "alpha" Simulation |r| r.opacity();
     /// Textures of opacity.

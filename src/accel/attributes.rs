@@ -1,4 +1,4 @@
-//! What triangles carry beside their geometry: vertex normals, texture coordinates and vertex colours.
+//! What triangles carry beside their geometry: vertex normals, texture coordinates, vertex colours and tangents.
 //!
 //! Held as the words that the GPU reads (`shaders/scene/attributes.wesl`), so that its twin in f64 interpolates the same
 //! numbers.
@@ -7,12 +7,14 @@ use super::octahedral::octahedral;
 use super::{Primitive, PrimitiveGeometry};
 use crate::scene::texture::{disk_uv, rectangle_uv};
 use crate::scene::{Geometry, Material, Mesh, Scene};
-use glam::{DVec2, DVec3, Vec4};
+use glam::{DVec2, DVec3, DVec4, Vec4};
 
 /// Words of a triangle's normals and texture coordinates, where it has either.
 const NORMAL_AND_UV_WORDS: usize = 3;
 /// Words of a triangle's colours, where it has them.
 const COLOR_WORDS: usize = 3;
+/// Words of a triangle's tangents, where it has them.
+const TANGENT_WORDS: usize = 3;
 
 /// Which attributes a primitive has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -25,6 +27,8 @@ pub struct Attributed {
     pub uvs: bool,
     /// Vertex colours that are not all white and opaque.
     pub colors: bool,
+    /// Tangents for its normal map other than those that the texture coordinates give.
+    pub tangents: bool,
     /// A second set of texture coordinates that its material reads, beside the first.
     pub second_uvs: bool,
     /// An opacity that is not 1 everywhere.
@@ -41,8 +45,12 @@ impl Attributed {
         self.word as usize + before
     }
 
-    fn second_uv_word(&self) -> usize {
+    fn tangent_word(&self) -> usize {
         self.color_word() + if self.colors { COLOR_WORDS } else { 0 }
+    }
+
+    fn second_uv_word(&self) -> usize {
+        self.tangent_word() + if self.tangents { TANGENT_WORDS } else { 0 }
     }
 }
 
@@ -50,7 +58,8 @@ impl Attributed {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Attributes {
     /// Per triangle that has any: three words of its normals (octahedrally encoded) and texture coordinates, where it has
-    /// either, then one word for the colour of each vertex, where it has colours, and two of further texture coordinates.
+    /// either, then one word for the colour of each vertex, where it has colours, one for the tangent of each, where it has
+    /// tangents, and two of further texture coordinates.
     pub words: Vec<[f32; 4]>,
     /// Per primitive.
     pub of_primitive: Vec<Attributed>,
@@ -90,6 +99,12 @@ impl Attributes {
         [0, 1, 2].map(|corner| self.words[first + corner])
     }
 
+    /// Unit tangents at the vertices of the triangle `of`, which has them, each with its sense.
+    pub fn tangents(&self, of: &Attributed) -> [[f32; 4]; 3] {
+        let first = of.tangent_word();
+        [0, 1, 2].map(|corner| self.words[first + corner])
+    }
+
     /// Second texture coordinates at the vertices of the triangle `of`, which has them.
     pub fn second_uvs(&self, of: &Attributed) -> [[f32; 2]; 3] {
         let first = of.second_uv_word();
@@ -111,7 +126,7 @@ impl Attributes {
                 match &scene.shapes[primitive.shape.index()].geometry {
                     Geometry::Mesh(mesh) => {
                         let corners = mesh.triangles[primitive.part as usize];
-                        self.add_triangle(mesh, corners, u.cross(v).normalize(), coordinates)
+                        self.add_triangle(mesh, corners, [u, v], coordinates)
                     }
                     _ => (none, 1.0),
                 }
@@ -123,18 +138,21 @@ impl Attributes {
         attributed
     }
 
-    /// Adds the words of a triangle whose normal is `own`. Returns its least vertex alpha as well.
+    /// Adds the words of a triangle whose edges are `edges`. Returns its least vertex alpha as well.
     fn add_triangle(
         &mut self,
         mesh: &Mesh,
         corners: [u32; 3],
-        own: DVec3,
+        edges: [DVec3; 2],
         TriangleUvs {
             first: uvs,
             second: second_uvs,
+            of_normal_map,
         }: TriangleUvs,
     ) -> (Attributed, f32) {
         let corners = corners.map(|i| i as usize);
+        let own = edges[0].cross(edges[1]).normalize();
+        let tangents = of_normal_map.and_then(|uvs| vertex_tangents(mesh, corners, edges, &uvs));
         let normals = vertex_normals(mesh, corners, own);
         let colors = vertex_colors(mesh, corners);
         let any = normals.is_some() || uvs.is_some() || colors.is_some();
@@ -143,6 +161,7 @@ impl Attributes {
             normals: normals.is_some(),
             uvs: uvs.is_some(),
             colors: colors.is_some(),
+            tangents: tangents.is_some(),
             second_uvs: second_uvs.is_some(),
             opacity: false,
         };
@@ -154,6 +173,8 @@ impl Attributes {
         }
         let colors = colors.into_iter().flatten();
         self.words.extend(colors.clone().map(|c| c.to_array()));
+        let tangents = tangents.into_iter().flatten();
+        self.words.extend(tangents.map(|t| t.to_array()));
         if let Some(uvs) = second_uvs {
             let [a, b, c] = rounded(uvs);
             self.words.extend([word(a, b), word(c, [0.0; 2])]);
@@ -171,9 +192,12 @@ fn rounded(uvs: [DVec2; 3]) -> [[f32; 2]; 3] {
 }
 
 /// The texture coordinates that a primitive's material reads.
+#[derive(Default)]
 struct TriangleUvs {
     first: Option<[DVec2; 3]>,
     second: Option<[DVec2; 3]>,
+    /// Those of the two that its normal map is read with.
+    of_normal_map: Option<[DVec2; 3]>,
 }
 
 impl TriangleUvs {
@@ -186,10 +210,20 @@ impl TriangleUvs {
             uvs.flatten()
         };
         let (first, second) = (read(textured, false), read(twofold, true));
-        let complete = first.is_some() && second.is_some() == twofold;
+        if first.is_none() || second.is_some() != twofold {
+            return Self::default();
+        }
+        let normal_map = material.textures.normal.as_ref();
         Self {
-            first: first.filter(|_| complete),
-            second: second.filter(|_| complete),
+            first,
+            second,
+            of_normal_map: normal_map.and_then(|map| {
+                if map.texture.second_uvs {
+                    second
+                } else {
+                    first
+                }
+            }),
         }
     }
 }
@@ -205,6 +239,47 @@ fn vertex_normals(mesh: &Mesh, corners: [usize; 3], own: DVec3) -> Option<[DVec3
     };
     let flat = [a, b, c].iter().all(|n| n.dot(own) > FLAT);
     (!flat).then_some([a, b, c])
+}
+
+/// Cosine beyond which tangents are those that texture coordinates give: an angle of 10⁻⁴.
+const SAME_TANGENT: f64 = 1.0 - 5e-9;
+
+/// Unit tangents, where there are any and not all of them are what the texture coordinates `uvs` give (glTF 2.0, section
+/// 3.7.2.1). Without vertex normals they do not count.
+fn vertex_tangents(
+    mesh: &Mesh,
+    corners: [usize; 3],
+    [u, v]: [DVec3; 2],
+    uvs: &[DVec2; 3],
+) -> Option<[Vec4; 3]> {
+    if mesh.tangents.is_empty() || mesh.normals.is_empty() {
+        return None;
+    }
+    let unit = |i: usize| {
+        let tangent = mesh.tangents[i];
+        Some(
+            tangent
+                .truncate()
+                .try_normalize()?
+                .extend(tangent.w.signum()),
+        )
+    };
+    let [Some(a), Some(b), Some(c)] = corners.map(unit) else {
+        return None;
+    };
+    let (du, dv) = (uvs[1] - uvs[0], uvs[2] - uvs[0]);
+    let side = du.perp_dot(dv).signum();
+    let along_u = side * (u * dv.y - v * du.y);
+    let own = u.cross(v).normalize();
+    let same = |corner: usize, tangent: DVec4| {
+        let normal = mesh.normals[corner].try_normalize().unwrap_or(own);
+        let normal = normal * normal.dot(own).signum();
+        let across = |t: DVec3| (t - normal * normal.dot(t)).normalize_or_zero();
+        let cosine = across(along_u).dot(across(tangent.truncate()));
+        cosine > SAME_TANGENT && tangent.w * side < 0.0
+    };
+    let all_same = corners.into_iter().zip([a, b, c]).all(|(i, t)| same(i, t));
+    (!all_same).then(|| [a, b, c].map(|t| t.as_vec4()))
 }
 
 /// Vertex colours, where there are any and not all of them are white and opaque.

@@ -289,8 +289,10 @@ shared! {
     "scene::fetch" HAS_OPACITY = 4;
     /// Set where a primitive has vertex colours.
     "scene::fetch" HAS_COLORS = 8;
+    /// Set where a primitive has tangents.
+    "scene::fetch" HAS_TANGENTS = 16;
     /// Bits below the first word of a primitive's attributes.
-    "scene::fetch" ATTRIBUTE_BITS = 4;
+    "scene::fetch" ATTRIBUTE_BITS = 5;
     /// Words of a textured material.
     "scene::textured" TEXTURED_WORDS = 4;
     /// An image again outside of itself.

@@ -5,8 +5,8 @@ use super::context::Context;
 use super::environment::EnvironmentBuffers;
 use super::layout::{
     ATTRIBUTE_BITS, EMISSION_MASK, FILTER_WORDS, Frame, HAS_COLORS, HAS_NORMALS, HAS_OPACITY,
-    HAS_UVS, KIND_DISK, KIND_ELLIPSOID, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, MATERIAL_SHIFT,
-    NONE, ONE_SIDED_BIT, TILE,
+    HAS_TANGENTS, HAS_UVS, KIND_DISK, KIND_ELLIPSOID, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE,
+    MATERIAL_SHIFT, NONE, ONE_SIDED_BIT, TILE,
 };
 use super::lights::{choice_words, emission_cell_words, first_emission_word, light_words};
 use super::materials::{MaterialWords, material_words};
@@ -219,7 +219,8 @@ fn one_primitive(scene: &Scene, p: &Primitive, light: u32, attributed: &Attribut
     let has = flag(attributed.normals, HAS_NORMALS)
         | flag(attributed.uvs, HAS_UVS)
         | flag(attributed.opacity, HAS_OPACITY)
-        | flag(attributed.colors, HAS_COLORS);
+        | flag(attributed.colors, HAS_COLORS)
+        | flag(attributed.tangents, HAS_TANGENTS);
     let attributes = attributed.word << ATTRIBUTE_BITS | has;
     let one_sided = !scene.materials[p.material.index()].double_sided;
     let side = if one_sided { ONE_SIDED_BIT } else { 0 };

@@ -188,6 +188,7 @@ impl Mesh {
             uvs,
             second_uvs,
             colors,
+            tangents,
         } = self;
         let index = positions.len() as u32;
         positions.push(0.5 * (positions[a] + positions[b]));
@@ -202,6 +203,9 @@ impl Mesh {
         }
         if !colors.is_empty() {
             colors.push(0.5 * (colors[a] + colors[b]));
+        }
+        if !tangents.is_empty() {
+            tangents.push(0.5 * (tangents[a] + tangents[b]));
         }
         index
     }

@@ -2,7 +2,7 @@
 
 use super::ids::MaterialId;
 use super::texture::TextureUse;
-use glam::{DMat3, DVec2, DVec3, Vec4};
+use glam::{DMat3, DVec2, DVec3, DVec4, Vec4};
 
 /// A surface of the scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,6 +111,9 @@ pub struct Mesh {
     /// Vertex colours, one per position, or none: linear factors in [0, 1] on the reflectance or base colour (red, green,
     /// blue) and on the opacity (alpha). Interpolated over triangles.
     pub colors: Vec<Vec4>,
+    /// Directions in which u of a normal map grows, one per position, or none: then the texture coordinates give them. The
+    /// fourth number, 1 or −1, is that of n × t along which v falls (glTF 2.0, section 3.7.2.1).
+    pub tangents: Vec<DVec4>,
 }
 
 /// What a surface emits, the same in all directions of its emitting sides.

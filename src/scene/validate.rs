@@ -191,6 +191,7 @@ impl Check<'_> {
             (mesh.uvs.len(), "texture coordinates"),
             (mesh.second_uvs.len(), "second texture coordinates"),
             (mesh.colors.len(), "colours"),
+            (mesh.tangents.len(), "tangents"),
         ] {
             self.require(
                 count == 0 || count == mesh.positions.len(),

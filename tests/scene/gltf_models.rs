@@ -1,13 +1,18 @@
 //! Materials of glTF beyond metallic and roughness: unlit, specular and glossiness, glass under textures; textures whose
 //! image is another or none.
 
-use super::files::{load_gltf, triangle_gltf, with};
+use super::files::{Folder, load_gltf, triangle_gltf, with};
 use super::textures::png;
+use crate::support::twin::{Part, accept_means, recorded_film, same_means, twin_film};
+use crate::support::{context, prepared};
 use base64::Engine;
 use direkt::effects::Effect;
+use direkt::reference::core::ray::{Hit, Ray};
+use direkt::reference::scene::fetch::World;
+use direkt::reference::scene::surface::surface_at;
 use direkt::render::Prepared;
-use direkt::scene::{Bsdf, Material, Scene};
-use glam::DVec3;
+use direkt::scene::{Bsdf, FilmSize, Material, Scene};
+use glam::{DVec2, DVec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb, Rgba};
 use serde_json::{Value, json};
 use std::io::Cursor;
@@ -345,4 +350,161 @@ fn textures_of_the_dielectric_are_factors_or_named() {
             "{name}"
         );
     }
+}
+
+/// `json`, whose triangle gets the normal (0, 0, 1) and at each vertex `tangent`.
+fn with_tangents(mut json: Value, tangent: [f32; 4]) -> Value {
+    let mut add = |bytes: Vec<u8>, kind: &str| {
+        let mut buffer = uri(&bytes);
+        buffer["byteLength"] = json!(bytes.len());
+        let mut push = |list: &str, value: Value| {
+            let list = json[list].as_array_mut().expect("a list");
+            list.push(value);
+            list.len() - 1
+        };
+        let buffer = push("buffers", buffer);
+        let view = push(
+            "bufferViews",
+            json!({ "buffer": buffer, "byteLength": bytes.len() }),
+        );
+        push(
+            "accessors",
+            json!({ "bufferView": view, "componentType": 5126, "count": 3, "type": kind }),
+        )
+    };
+    let bytes = |numbers: &[f32]| -> Vec<u8> {
+        let all = (0..3).flat_map(|_| numbers.iter().copied());
+        all.flat_map(f32::to_le_bytes).collect()
+    };
+    let normal = add(bytes(&[0.0, 0.0, 1.0]), "VEC3");
+    let tangent = add(bytes(&tangent), "VEC4");
+    let attributes = &mut json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["NORMAL"] = json!(normal);
+    attributes["TANGENT"] = json!(tangent);
+    json
+}
+
+/// Texels of a normal map: (0.481, 0.356, 0.801) of unit length.
+const SLANTED: [u8; 3] = [189, 173, 230];
+
+fn mapped(tangent: [f32; 4], node: Value) -> Value {
+    let material = json!({ "normalTexture": { "index": 0 }, "doubleSided": true });
+    let json = with_tangents(gltf(material, &[png(&[SLANTED; 2])]), tangent);
+    with(json, "/nodes", json!([node]))
+}
+
+/// The shading normal that `scene`'s triangle has in its middle, seen from above.
+fn shading_normal(scene: Scene) -> DVec3 {
+    let prepared = prepared(scene);
+    let world = World::new(&prepared);
+    let ray = Ray {
+        origin: DVec3::Z,
+        direction: -DVec3::Z,
+    };
+    let hit = Hit {
+        t: 1.0,
+        primitive: 0,
+        st: DVec2::splat(1.0 / 3.0),
+    };
+    surface_at(&world, &ray, &hit, DVec3::Z).frame.z
+}
+
+/// x of a normal map is along TANGENT, y along its sense times n × t (glTF 2.0, section 3.7.2.1).
+#[test]
+fn normal_maps_follow_the_given_tangents() {
+    // v of the triangle's coordinates falls along −y, as y of the map does along growing v.
+    let normal = |tangent: [f32; 4], node: Value| {
+        let scene = load_gltf(&mapped(tangent, node)).expect("a valid glTF");
+        let found = effects(scene.clone()).contains(&Effect::Tangents);
+        (shading_normal(scene), found)
+    };
+    let plain = || json!({ "mesh": 0 });
+    let (x, y, z) = (0.4809, 0.3558, 0.8013);
+    // What the coordinates give changes nothing.
+    let (found, called) = normal([1.0, 0.0, 0.0, -1.0], plain());
+    assert!(close(found, DVec3::new(x, -y, z)) && !called, "{found}");
+    for (tangent, node, expected) in [
+        ([0.0, 1.0, 0.0, 1.0], plain(), DVec3::new(-y, x, z)),
+        ([0.0, 1.0, 0.0, -1.0], plain(), DVec3::new(y, x, z)),
+        ([1.0, 0.0, 0.0, 1.0], plain(), DVec3::new(x, y, z)),
+        // Their length does not count, nor what is along the normal.
+        ([0.0, 3.0, 1.0, 1.0], plain(), DVec3::new(-y, x, z)),
+        // Turned by 90 degrees, and mirrored in x, with the surface.
+        (
+            [0.0, 1.0, 0.0, 1.0],
+            json!({ "mesh": 0, "rotation": [0, 0, 0.5f64.sqrt(), 0.5f64.sqrt()] }),
+            DVec3::new(-x, -y, z),
+        ),
+        (
+            [0.0, 1.0, 0.0, 1.0],
+            json!({ "mesh": 0, "scale": [-1, 1, 1] }),
+            DVec3::new(y, x, z),
+        ),
+    ] {
+        let (found, called) = normal(tangent, node.clone());
+        assert!(
+            called && close(found, expected),
+            "{tangent:?}, {node}: {found} for {expected}"
+        );
+    }
+}
+
+/// Glass with metal in parts, glossiness from a texture, tangents and an unlit surface, before a bright wall: the GPU's means
+/// are the twin's.
+#[test]
+fn models_are_the_twins() {
+    let folder = Folder::new();
+    let glass = glass(json!({}), json!({ "transmissionFactor": 1 }));
+    let glossy = glossy(json!({
+        "specularFactor": [0.9, 0.8, 0.7],
+        "specularGlossinessTexture": { "index": 0 }
+    }));
+    let unlit = json!({
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } },
+        "extensions": { "KHR_materials_unlit": {} }
+    });
+    let texels = rgba(&[[188, 160, 255, 51], [90, 120, 0, 230]]);
+    for (name, json) in [
+        ("glass.gltf", gltf(glass, &[texels.clone()])),
+        ("glossy.gltf", gltf(glossy, &[texels.clone()])),
+        ("unlit.gltf", gltf(unlit, &[texels])),
+        (
+            "mapped.gltf",
+            mapped([0.6, 0.8, 0.0, 1.0], json!({ "mesh": 0 })),
+        ),
+    ] {
+        folder.write(name, json.to_string());
+    }
+    let mut text = "[camera]\ntype = \"orthographic\"\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nup = [0, 1, 0]\nheight = 2\n\
+         [environment]\nradiance = 0.5\n[[lights]]\ntype = \"directional\"\ndirection = [0.3, 0.2, -1]\n\
+         irradiance = [2, 3, 4]\n[materials.wall]\ntype = \"lambert\"\nreflectance = 0.5\n\
+         [[shapes]]\ntype = \"rectangle\"\nmaterial = \"wall\"\ncorner = [-3, -3, -1]\nu = [6, 0, 0]\nv = [0, 6, 0]\n"
+        .to_owned();
+    for (name, place) in [
+        ("glass", "[-1, 0, 0]"),
+        ("glossy", "[0, 0, 0]"),
+        ("unlit", "[-1, -1, 0]"),
+        ("mapped", "[0, -1, 0]"),
+    ] {
+        text +=
+            &format!("[[gltf]]\nfile = \"{name}.gltf\"\ntransform = [{{ translate = {place} }}]\n");
+    }
+    folder.write("scene.toml", text);
+    let scene = folder.load("scene.toml").expect("a valid scene");
+    let prepared = prepared(scene);
+    let size = FilmSize {
+        width: 24,
+        height: 24,
+    };
+    for effect in [
+        Effect::MetalMask,
+        Effect::GlossinessTexture,
+        Effect::Unlit,
+        Effect::Tangents,
+    ] {
+        assert!(prepared.effects.contains(effect), "{effect:?}");
+    }
+    let twin = twin_film(&prepared, (size, 17, 256), Part::All, None);
+    let gpu = recorded_film(&context(), &prepared, (size, 18, 256), Part::All);
+    accept_means(same_means(&gpu, &twin), "models of glTF");
 }

@@ -108,6 +108,32 @@ pub fn map_normal(mapped: DVec3, uvs: &VertexUvs, u: DVec3, v: DVec3, normal: DV
     sum.normalize()
 }
 
+/// Unit tangents at a triangle's vertices, each with its sense.
+pub type VertexTangents = [DVec4; 3];
+
+/// The tangents of `p`, which has them.
+pub fn fetch_tangents(world: &World<'_>, p: &Primitive) -> VertexTangents {
+    let tangents = world.prepared.attributes.tangents(&p.attributed);
+    tangents.map(|t| DVec4::from_array(t.map(f64::from)))
+}
+
+/// The normal that a normal map's value `mapped` means at `st` where the vertices have the tangents `t`.
+pub fn map_normal_along(mapped: DVec3, t: &VertexTangents, st: DVec2, normal: DVec3) -> DVec3 {
+    let given = (1.0 - st.x - st.y) * t[0] + st.x * t[1] + st.y * t[2];
+    let tangent = given.truncate() - normal * normal.dot(given.truncate());
+    if tangent.length_squared() < 1e-12 {
+        return normal;
+    }
+    let x = tangent.normalize();
+    let sense = if given.w > 0.0 { 1.0 } else { -1.0 };
+    let y = sense * normal.cross(x);
+    let sum = mapped.x * x + mapped.y * y + mapped.z * normal;
+    if sum.length_squared() < 1e-12 {
+        return normal;
+    }
+    sum.normalize()
+}
+
 /// Smallest cosine between a shading normal and the direction to the viewer.
 pub const MIN_VIEW_COS: f64 = 0.01;
 

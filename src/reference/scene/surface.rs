@@ -1,8 +1,8 @@
 //! The surface where a ray ended.
 
 use super::attributes::{
-    fetch_colors, fetch_normals, interpolate_color, interpolate_normal, interpolate_uv, map_normal,
-    seen_normal, terminator_offset, uvs_of,
+    fetch_colors, fetch_normals, fetch_tangents, interpolate_color, interpolate_normal,
+    interpolate_uv, map_normal, map_normal_along, seen_normal, terminator_offset, uvs_of,
 };
 use super::fetch::{Primitive, World};
 use super::textured::{mapped_normal, texture_factors, textured_material};
@@ -89,7 +89,11 @@ fn shading_at(
             let uvs = uvs_of(world, p, &map.texture);
             let mapped = mapped_normal(world, map, interpolate_uv(&uvs, st));
             let around = shading.normal.unwrap_or(normal);
-            shading.normal = Some(map_normal(mapped, &uvs, u, v, around));
+            shading.normal = Some(if p.attributed.tangents {
+                map_normal_along(mapped, &fetch_tangents(world, p), st, around)
+            } else {
+                map_normal(mapped, &uvs, u, v, around)
+            });
         }
     }
     if p.attributed.uvs || p.attributed.colors {

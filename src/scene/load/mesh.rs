@@ -111,12 +111,13 @@ fn compact(mesh: &mut Mesh) {
         *i += 1;
         used
     };
-    let mut at = [0; 5];
+    let mut at = [0; 6];
     mesh.positions.retain(|_| used(&mut at[0]));
     mesh.normals.retain(|_| used(&mut at[1]));
     mesh.uvs.retain(|_| used(&mut at[2]));
     mesh.colors.retain(|_| used(&mut at[3]));
     mesh.second_uvs.retain(|_| used(&mut at[4]));
+    mesh.tangents.retain(|_| used(&mut at[5]));
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 //! triangle are swapped.
 
 use crate::scene::{Geometry, Mesh};
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3, DVec4};
 
 /// Why a transform cannot be applied.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,12 +106,21 @@ fn apply_to_mesh(transform: &DAffine3, mut mesh: Mesh) -> Mesh {
     for n in &mut mesh.normals {
         *n = of_normals * n.normalize_or_zero();
     }
+    turn_tangents(&transform.matrix3, &mut mesh.tangents);
     if mirrors(transform) {
         for t in &mut mesh.triangles {
             t.swap(1, 2);
         }
     }
     mesh
+}
+
+/// Turns tangents where `m` moves points. What mirrors turns the sense of n × t, and v falls along what it fell along.
+pub(super) fn turn_tangents(m: &DMat3, tangents: &mut [DVec4]) {
+    for tangent in tangents {
+        let sense = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
+        *tangent = (*m * tangent.truncate()).extend(sense * tangent.w);
+    }
 }
 
 /// What turns normals where `m` moves points, up to a factor: its inverse transposed. Where it flattens space that has no

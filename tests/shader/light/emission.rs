@@ -52,7 +52,7 @@ fn triangle() -> Geometry {
             DVec2::new(1.5, 0.0),
             DVec2::new(0.75, 1.0),
         ],
-        colors: vec![],
+        ..Mesh::default()
     })
 }
 

@@ -57,6 +57,7 @@ fn textured() -> Prepared {
                     vec![]
                 },
                 colors: colors(3),
+                tangents: Vec::new(),
             }),
         );
         triangle.material = scene.shapes[0].material;

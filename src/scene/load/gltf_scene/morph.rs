@@ -74,6 +74,13 @@ pub(super) fn displace(
         if let Some(index) = target.normals.filter(|_| !mesh.normals.is_empty()) {
             add(index.value(), "NORMAL", &mut mesh.normals)?;
         }
+        if let Some(index) = target.tangents.filter(|_| !mesh.tangents.is_empty()) {
+            let mut directions: Vec<DVec3> = mesh.tangents.iter().map(|t| t.truncate()).collect();
+            add(index.value(), "TANGENT", &mut directions)?;
+            for (tangent, direction) in mesh.tangents.iter_mut().zip(directions) {
+                *tangent = direction.extend(tangent.w);
+            }
+        }
     }
     Ok(())
 }

@@ -11,8 +11,9 @@ use super::skins::{self, Skins};
 use crate::error::InputError;
 use crate::scene::load::transform;
 use crate::scene::{Geometry, Mesh};
-use glam::DAffine3;
+use glam::{DAffine3, DVec4};
 use gltf::json;
+use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use std::borrow::Cow;
@@ -250,6 +251,13 @@ fn triangles(
         normals = accessors::vectors(document, index, &field)?;
         same_count(document, &field, normals.len(), count)?;
     }
+    let mut tangents = Vec::new();
+    if let Some(index) = accessor(Semantic::Tangents) {
+        let field = format!("{attributes}.TANGENT");
+        let all: Vec<[f64; 4]> = accessors::numbers(document, index, &field, Type::Vec4)?;
+        same_count(document, &field, all.len(), count)?;
+        tangents = all.into_iter().map(DVec4::from_array).collect();
+    }
     let coordinates = |set: Option<u32>| {
         let found = set.and_then(|set| Some((set, accessor(Semantic::TexCoords(set))?)));
         let Some((set, index)) = found else {
@@ -290,6 +298,7 @@ fn triangles(
         uvs,
         second_uvs,
         colors: colors::of_primitive(document, primitive, &attributes, count)?,
+        tangents,
     }))
 }
 

@@ -136,6 +136,9 @@ pub(super) fn pose(
     for (normal, blend) in mesh.normals.iter_mut().zip(&blended) {
         *normal = transform::normal_matrix(&blend.affine().matrix3) * *normal;
     }
+    for (tangent, blend) in mesh.tangents.iter_mut().zip(&blended) {
+        transform::turn_tangents(&blend.affine().matrix3, std::slice::from_mut(tangent));
+    }
     if mirrored {
         for triangle in &mut mesh.triangles {
             triangle.swap(1, 2);

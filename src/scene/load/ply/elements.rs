@@ -45,6 +45,7 @@ impl Elements {
             colors: self.colors(path, warnings)?,
             triangles: Vec::with_capacity(self.faces.len()),
             second_uvs: Vec::new(),
+            tangents: Vec::new(),
         };
         let mut triangulator = Triangulator::default();
         let mut corners = Vec::new();
