@@ -57,7 +57,7 @@ fn textured() -> Prepared {
                     vec![]
                 },
                 colors: colors(3),
-                tangents: Vec::new(),
+                ..Mesh::default()
             }),
         );
         triangle.material = scene.shapes[0].material;
