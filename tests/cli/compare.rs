@@ -1,6 +1,7 @@
 //! `direkt compare`, as a user runs it.
 
 use super::{run, text};
+use crate::support::exr_file::radiance;
 use serde_json::Value;
 
 const CORNELL: &str = "scenes/cornell.toml";
@@ -45,9 +46,9 @@ fn agreement_is_exit_0_with_a_verdict_images_and_json() {
         image::open(&z_scores).unwrap().into_rgb8().dimensions(),
         (40, 24)
     );
-    let difference = image::open(&difference).unwrap().into_rgb32f();
-    assert_eq!(difference.dimensions(), (40, 24));
-    let values = || difference.pixels().flat_map(|p| p.0);
+    let (size, difference) = radiance(&difference);
+    assert_eq!(size, [40, 24]);
+    let values = || difference.iter().copied().flatten();
     assert!(
         values().any(|x| x > 0.0) && values().any(|x| x < 0.0),
         "signed"

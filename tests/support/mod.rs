@@ -3,6 +3,7 @@
 #[cfg(feature = "window")]
 pub mod display;
 pub mod every_kind;
+pub mod exr_file;
 pub mod hard_cases;
 pub mod histogram;
 pub mod random;
