@@ -1,7 +1,6 @@
 //! The hierarchy as the GPU reads it: boxes on a 16-bit grid over the scene, two children per 32-byte node.
 
 use super::grid::Grid;
-use glam::DVec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 
@@ -52,7 +51,7 @@ impl Default for Bvh {
 /// Flattens `bvh2`, whose primitives are already in the order of its leaves.
 pub fn flatten(bvh2: &Bvh2) -> Bvh {
     let root_box = bvh2.nodes[0].aabb();
-    let corner = |c: glam::Vec3A| DVec3::from(glam::Vec3::from(c).as_dvec3());
+    let corner = |c: glam::Vec3A| glam::Vec3::from(c).as_dvec3();
     let grid = Grid::even(corner(root_box.min), corner(root_box.max));
     flatten_all(&[bvh2], grid)
 }

@@ -80,7 +80,7 @@ fn textures_without_an_image_are_left_out() {
     });
     let two = png(&[[255, 0, 0], [0, 255, 0]]);
     let with_texture = |texture: Value| {
-        let json = gltf(material.clone(), &[two.clone()]);
+        let json = gltf(material.clone(), std::slice::from_ref(&two));
         load_gltf(&with(json, "/textures", json!([texture]))).expect("a valid glTF")
     };
     for (texture, reason) in [
@@ -107,7 +107,7 @@ fn textures_without_an_image_are_left_out() {
     let fallback = json!({ "source": 0, "extensions": { "KHR_texture_basisu": { "source": 7 } } });
     assert!(with_texture(fallback).materials[0].textures.color.is_some());
     let message = load_gltf(&with(
-        gltf(material.clone(), &[two.clone()]),
+        gltf(material.clone(), std::slice::from_ref(&two)),
         "/textures",
         json!([{ "source": 3 }]),
     ));
@@ -465,8 +465,8 @@ fn models_are_the_twins() {
     });
     let texels = rgba(&[[188, 160, 255, 51], [90, 120, 0, 230]]);
     for (name, json) in [
-        ("glass.gltf", gltf(glass, &[texels.clone()])),
-        ("glossy.gltf", gltf(glossy, &[texels.clone()])),
+        ("glass.gltf", gltf(glass, std::slice::from_ref(&texels))),
+        ("glossy.gltf", gltf(glossy, std::slice::from_ref(&texels))),
         ("unlit.gltf", gltf(unlit, &[texels])),
         (
             "mapped.gltf",

@@ -52,7 +52,7 @@ impl Ellipsoid {
         let p = (self.axes.inverse() * (position - self.center)).normalize();
         let lengths = [0, 1, 2].map(|i| self.axes.col(i).length());
         let shortest = lengths.into_iter().fold(f64::INFINITY, f64::min);
-        shortest * shortest * self.from_transposed_inverse(p).length()
+        shortest * shortest * self.apply_transposed_inverse(p).length()
     }
 
     /// The image of the unit sphere's point `p`.
@@ -60,14 +60,14 @@ impl Ellipsoid {
         self.center + self.axes * p
     }
 
-    fn from_transposed_inverse(&self, p: DVec3) -> DVec3 {
+    fn apply_transposed_inverse(&self, p: DVec3) -> DVec3 {
         self.axes.inverse().transpose() * p
     }
 }
 
 /// Density of the image of a uniformly distributed point `p` of the unit sphere: areas are stretched by |det M| |M⁻ᵀp|.
 pub fn pdf_ellipsoid_area(e: &Ellipsoid, p: DVec3) -> PdfArea {
-    let stretch = e.axes.determinant().abs() * e.from_transposed_inverse(p).length();
+    let stretch = e.axes.determinant().abs() * e.apply_transposed_inverse(p).length();
     PdfArea(1.0 / (4.0 * PI * stretch))
 }
 
@@ -147,7 +147,7 @@ impl EllipsoidView {
             (sin, cos) = (-sin, -cos);
         }
         let along = (cos * u + sin * v).normalize();
-        let normal = e.from_transposed_inverse(self.to_center).normalize();
+        let normal = e.apply_transposed_inverse(self.to_center).normalize();
         let across = normal.cross(along);
         let part = 1.0 - 1.0 / squared;
         let half = |direction: DVec3| part.sqrt() * u.dot(direction).hypot(v.dot(direction));

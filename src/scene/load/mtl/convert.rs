@@ -209,7 +209,7 @@ impl Converter<'_> {
 
     /// Notes what `from` says that no material of direkt shows.
     fn note_ignored(&mut self, from: &tobj::Material, through: bool) {
-        let tints = |c: [f64; 3]| c != [0.0; 3];
+        let tints = |c: [f64; 3]| c.iter().any(|channel| channel.abs() > 0.0);
         let mut ignore = |holds: bool, key: &str| {
             if holds {
                 self.ignored.insert(key.to_owned());

@@ -297,7 +297,7 @@ fn whole_statement<'t>(
         return Cow::Borrowed(line);
     };
     let mut whole = start.to_owned();
-    while let Some((_, next)) = rest.next() {
+    for (_, next) in rest.by_ref() {
         let next = without_comment(next);
         whole.push(' ');
         match continued(next) {
