@@ -137,7 +137,11 @@ fn scene_types(effects: &Effects) -> Vec<(u32, wgpu::BindingType)> {
         types.extend([(5, READ), (6, TEXELS)]);
     }
     let data = [Effect::RoughnessTexture, Effect::NormalMap];
-    let colors = [Effect::ColorTexture, Effect::AlphaTexture];
+    let colors = [
+        Effect::ColorTexture,
+        Effect::GlossinessTexture,
+        Effect::AlphaTexture,
+    ];
     let of_vertices = [Effect::SmoothNormals, Effect::VertexColors];
     if any(&data) || any(&colors) || any(&of_vertices) {
         types.push((7, READ));

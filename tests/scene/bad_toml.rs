@@ -328,7 +328,7 @@ fn files_that_a_scene_names() {
     );
     assert_eq!(
         folder.load("scene.toml").expect_err("it must be refused"),
-        "DIR/mesh.stl: `.stl` is not a mesh format; expected a mesh in .ply, .obj, .gltf or .glb"
+        "DIR/scene.toml: shapes[0].file: `mesh.stl`: `.stl` is not a mesh format; expected a mesh in .ply, .obj, .gltf or .glb"
     );
     folder.write("sky.png", "");
     folder.write("scene.toml", "[environment]\nfile = \"sky.png\"\n");
