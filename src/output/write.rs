@@ -26,7 +26,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     written.map_err(|source| Error::write(path, source))
 }
 
-/// Like [`write`]; what cannot be written there is saved under a new name in the same folder, the current one, that of temporary
+/// Like [`write`](write()); what cannot be written there is saved under a new name in the same folder, the current one, that of temporary
 /// files or the user's own, whichever takes it first.
 ///
 /// # Errors

@@ -16,7 +16,7 @@ const ROUNDNESS: f64 = 1.0 / 65_536.0;
 /// Times that a triangle is halved at most: f64 has no more binary digits than twice this.
 const MAX_ROUNDS: usize = 128;
 /// Triangles that a shape is cut into at most, beside those that it has.
-const MAX_ADDED: usize = 1 << 20;
+const MAX_ADDED: usize = 1 << 15;
 /// Longest edge of a triangle over its coordinates below which f64 has no digits left to cut it by.
 const RESOLUTION: f64 = 1.0 / (1_u64 << 40) as f64;
 
