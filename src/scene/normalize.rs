@@ -20,6 +20,8 @@ pub const EXTREME_RATIO: f64 = 4096.0;
 /// Largest coordinate of an extreme scene, normalised space: the fourth power of an edge, the squared length of a normal that
 /// is not normalised, is finite in f32.
 const MAX_REACH: f64 = 1_073_741_824.0;
+/// Smallest length that matters in view of an extreme scene, normalised space: 2⁻⁶⁰, whose square is normal in f32.
+const MIN_RADIUS: f64 = 1.0 / (1_u64 << 60) as f64;
 
 /// The map from world space to normalised space: `(p − center) · scale`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,7 +74,7 @@ impl Normalization {
         Self {
             center: view.center,
             scale,
-            radius: view.scale * scale,
+            radius: (view.scale * scale).max(MIN_RADIUS),
             reach: farthest * scale,
         }
     }

@@ -334,7 +334,7 @@ fn files_that_a_scene_names() {
     folder.write("scene.toml", "[environment]\nfile = \"sky.png\"\n");
     assert_eq!(
         folder.load("scene.toml").expect_err("it must be refused"),
-        "DIR/sky.png: `.png` is not a format of environment maps; expected a latitude-longitude map in .hdr or .exr"
+        "DIR/sky.png: is not an image of a known format; expected a latitude-longitude map in .hdr or .exr"
     );
     folder.write(
         "sky.hdr",
