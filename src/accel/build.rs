@@ -34,15 +34,21 @@ pub fn build(primitives: &mut Vec<Primitive>) -> Bvh {
     if primitives.is_empty() {
         return Bvh::default();
     }
-    flatten(&build_part(primitives, MAX_DEPTH))
+    let boxes: Vec<Boxed> = primitives.iter().map(boxed).collect();
+    let mut seconds = std::time::Duration::ZERO;
+    let mut bvh2 = build_bvh2(&boxes, parameters(primitives.len()), &mut seconds);
+    if bvh2.depth(0) > MAX_DEPTH {
+        bvh2 = median_split(&boxes);
+    }
+    sort_by_leaves(primitives, &bvh2);
+    flatten(&bvh2)
 }
 
-/// Distances from the centre that lie between two parts of an extreme scene, as a power of two: the builder sorts centres on
-/// a grid of 2²¹ cells per axis.
+/// Distances from the centre that lie between two parts of an extreme scene, as a power of two.
 const PART: f64 = 10.0;
 
-/// The same for an extreme scene: primitives farther from the centre form parts of their own, so that the builder tells the
-/// near ones apart.
+/// The same for an extreme scene: primitives farther from the centre form parts of their own, each split at its medians. The
+/// better builder sorts centres on a grid of 2²¹ cells per axis and compares areas in f32, which is too coarse here.
 pub fn build_extreme(primitives: &mut Vec<Primitive>, normalization: &Normalization) -> Bvh {
     if primitives.is_empty() {
         return Bvh::default();
@@ -54,10 +60,12 @@ pub fn build_extreme(primitives: &mut Vec<Primitive>, normalization: &Normalizat
     };
     primitives.sort_by_cached_key(part);
     let (mut parts, mut ordered) = (Vec::new(), Vec::with_capacity(primitives.len()));
-    let most = primitives.last().map_or(0, part) as usize;
     for same in primitives.chunk_by(|a, b| part(a) == part(b)) {
         let mut same = same.to_vec();
-        parts.push(build_part(&mut same, MAX_DEPTH - most));
+        let boxes: Vec<Boxed> = same.iter().map(boxed).collect();
+        let bvh2 = median_split(&boxes);
+        sort_by_leaves(&mut same, &bvh2);
+        parts.push(bvh2);
         ordered.append(&mut same);
     }
     *primitives = ordered;
@@ -66,20 +74,10 @@ pub fn build_extreme(primitives: &mut Vec<Primitive>, normalization: &Normalizat
     flatten_all(&parts, grid)
 }
 
-/// Reorders `primitives`, of which there is one at least; the hierarchy is no deeper than `most`.
-fn build_part(primitives: &mut Vec<Primitive>, most: usize) -> Bvh2 {
-    let boxes: Vec<Boxed> = primitives.iter().map(boxed).collect();
-    let mut seconds = std::time::Duration::ZERO;
-    let mut bvh2 = build_bvh2(&boxes, parameters(primitives.len()), &mut seconds);
-    if bvh2.depth(0) > most {
-        bvh2 = median_split(&boxes);
-    }
-    let order = bvh2
-        .primitive_indices
-        .iter()
-        .map(|&i| primitives[i as usize]);
-    *primitives = order.collect();
-    bvh2
+/// Brings `primitives` into the order of the leaves of `bvh2`.
+fn sort_by_leaves(primitives: &mut Vec<Primitive>, bvh2: &Bvh2) {
+    let order = bvh2.primitive_indices.iter();
+    *primitives = order.map(|&i| primitives[i as usize]).collect();
 }
 
 fn parameters(count: usize) -> BvhBuildParams {

@@ -55,8 +55,18 @@ impl Running {
     }
 
     fn end(mut self) -> (ExitStatus, String) {
-        let said = self.said();
-        (self.0.wait().unwrap(), said)
+        let start = Instant::now();
+        let status = loop {
+            if let Some(status) = self.0.try_wait().unwrap() {
+                break status;
+            }
+            if start.elapsed() > PATIENCE {
+                self.0.kill().unwrap();
+                panic!("the render does not end; is SIGINT ignored where the tests run?");
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        };
+        (status, self.said())
     }
 }
 
