@@ -15,7 +15,8 @@ use crate::error::{Error, GpuError, number};
 use crate::gpu::{AdapterFacts, Context};
 use crate::image::layers;
 use crate::render::{
-    AovImages, Failure, Film, Prepared, RayCounts, Session, render_aovs, render_keeping_image,
+    AovImages, Failure, Film, Pixel, Prepared, RayCounts, Session, render_aovs,
+    render_keeping_image,
 };
 use crate::scene::{Aovs, Scene};
 use live::{Live, LiveArguments};
@@ -306,6 +307,19 @@ impl Rendered {
     }
 }
 
+/// What the 32-bit numbers of image files cannot hold of `film`.
+fn beyond_file(film: &Film) -> Option<String> {
+    let largest = |pixel: &Pixel| pixel.mean.into_iter().fold(0.0, f64::max);
+    let values = film.pixels.iter().map(largest);
+    let beyond: Vec<f64> = values.filter(|&x| x > f64::from(f32::MAX)).collect();
+    let most = beyond.iter().copied().reduce(f64::max)?;
+    Some(format!(
+        "{} of {} pixels are brighter than 3.4e38, the largest number of an image file, which stands there; the brightest is {most:e}",
+        beyond.len(),
+        film.pixels.len()
+    ))
+}
+
 /// Writes all that is asked for, and reports.
 fn finish(
     arguments: &Arguments,
@@ -333,6 +347,9 @@ fn finish(
     }
     if report.stopped_by == StoppedBy::Black {
         say("direkt: warning: no sample found any light, so that no --error can be reached");
+    }
+    if let Some(warning) = beyond_file(film) {
+        say(format_args!("direkt: warning: {warning}"));
     }
     if report.non_finite.dropped > 0 {
         let sentence = ledger_sentence(&report.non_finite);

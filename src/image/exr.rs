@@ -52,7 +52,7 @@ pub fn encode(
     for (c, name) in RGB.into_iter().enumerate() {
         let error = |i: usize| {
             let variances = variances.as_ref();
-            variances.map_or(UNKNOWN_ERROR, |v| v[i][c].sqrt() as f32)
+            variances.map_or(UNKNOWN_ERROR, |v| single(v[i][c].sqrt()))
         };
         channels.push(channel(film, &format!("standard_error.{name}"), error));
     }
@@ -72,9 +72,15 @@ pub fn encode_plain(film: &Film, attributes: &[(&str, String)]) -> io::Result<Ve
 
 const RGB: [&str; 3] = ["R", "G", "B"];
 
+/// `x` in 32 bits. What is beyond their range, which a film in f64 may hold, is their largest number: an image has no infinity.
+pub fn single(x: f64) -> f32 {
+    (x as f32).clamp(-f32::MAX, f32::MAX)
+}
+
 fn radiance(film: &Film) -> Vec<Channel> {
     let channels = RGB.into_iter().enumerate();
-    let channels = channels.map(|(c, name)| channel(film, name, |i| film.pixels[i].mean[c] as f32));
+    let channels =
+        channels.map(|(c, name)| channel(film, name, |i| single(film.pixels[i].mean[c])));
     channels.collect()
 }
 

@@ -1,6 +1,6 @@
 //! AOVs as channels of an EXR; `docs/aov.md` lists them with the programs that look for their names.
 
-use super::exr::Channel;
+use super::exr::{Channel, single};
 use crate::gpu::features::Features;
 use crate::render::aov::SurfacePoint;
 use crate::render::{AovImages, Film, Prepared};
@@ -76,7 +76,7 @@ fn triple<T: Sync>(
     value: impl Fn(&T) -> [f64; 3] + Sync,
 ) -> Vec<Channel> {
     let channels = (0..).zip(names).map(|(c, name): (usize, _)| {
-        let values = pixels.par_iter().map(|pixel| value(pixel)[c] as f32);
+        let values = pixels.par_iter().map(|pixel| single(value(pixel)[c]));
         (format!("{layer}.{name}"), values.collect())
     });
     channels.collect()

@@ -1,7 +1,10 @@
 //! A sample that is no number is dropped and counted, never shown.
 
 use super::test_scenes::test_scenes;
-use crate::support::{context, floor_pixel, own_scenes, point_light, render, scenes_of_lights};
+use crate::support::{
+    context, floor_pixel, own_scenes, point_light, prepared, render, render_prepared,
+    scenes_of_lights,
+};
 use direkt::scene::{FilmSize, Sampler, Strategy};
 use glam::DVec3;
 
@@ -19,7 +22,11 @@ fn overflowing_samples_are_dropped_and_counted() {
     };
     scene.render.strategy = Strategy::LightArea;
     scene.render.spp = 5;
-    let film = render(&context, scene.clone());
+    let mut in_watts = prepared(scene.clone());
+    // A larger unit keeps such a light within f32.
+    assert_eq!(render_prepared(&context, &in_watts).ledger.dropped, 0);
+    in_watts.emitters.unit = 1.0;
+    let film = render_prepared(&context, &in_watts);
     assert_eq!(film.ledger.dropped, 5 * 81, "{}", context.adapter.name);
     let first = film
         .ledger

@@ -134,11 +134,14 @@ thread_local! {
 
 /// Renders `scene` with its own settings.
 pub fn render(context: &Context, scene: Scene) -> Film {
-    let settings = scene.render;
-    let film = scene.film;
-    let prepared = prepared(scene);
+    render_prepared(context, &prepared(scene))
+}
+
+/// Renders a prepared scene by its own settings.
+pub fn render_prepared(context: &Context, prepared: &Prepared) -> Film {
+    let (film, settings) = (prepared.scene.film, prepared.scene.render);
     let mut session = KERNELS.with_borrow_mut(|kernels| {
-        Session::with_kernels(context, &prepared, film, settings.seed, kernels).unwrap()
+        Session::with_kernels(context, prepared, film, settings.seed, kernels).unwrap()
     });
     take(&mut session, settings.spp);
     session.snapshot().unwrap().0
