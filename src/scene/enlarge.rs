@@ -23,7 +23,14 @@ pub fn enlarge(scene: &mut Scene, normalization: &Normalization) {
 
 /// Gives `geometry` the size `least` along its axes where it has less; returns the factor of its area.
 fn enlarged(geometry: &mut Geometry, least: f64) -> f64 {
-    let factor = |length: f64| (least / length).max(1.0);
+    // What has no length cannot be scaled to one.
+    let factor = |length: f64| {
+        if length > 0.0 {
+            (least / length).max(1.0)
+        } else {
+            1.0
+        }
+    };
     match geometry {
         Geometry::Rectangle { corner, u, v } => {
             let [of_u, of_v] = [*u, *v].map(|edge| factor(edge.length()));
