@@ -10,7 +10,7 @@ use direkt::reference::core::ray::Ray;
 use direkt::reference::scene::fetch::World;
 use direkt::reference::scene::trace::intersect_primitive;
 use direkt::render::Prepared;
-use direkt::scene::{Geometry, LightSelection, Mesh, Scene, Strategy};
+use direkt::scene::{Camera, Geometry, LightSelection, Mesh, Scene, Strategy};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -31,7 +31,14 @@ const MOLLER_TRUMBORE: &str = "fn leaky(o: vec3f, d: vec3f, count: u32) -> bool 
 }";
 
 pub(super) fn meshes(meshes: Vec<Mesh>) -> Prepared {
-    let mut scene: Scene = floor_pixel();
+    meshes_before(floor_pixel().camera, meshes)
+}
+
+fn meshes_before(camera: Camera, meshes: Vec<Mesh>) -> Prepared {
+    let mut scene = Scene {
+        camera,
+        ..floor_pixel()
+    };
     let shapes = meshes.into_iter().map(|m| shape("mesh", Geometry::Mesh(m)));
     scene.shapes = shapes.collect();
     Prepared::new(scene, Strategy::LightArea, LightSelection::Uniform)
@@ -292,7 +299,9 @@ fn triangles_of_every_size_are_hit_as_in_brute_force() {
         // Collinear ones, to which rounding may give an area, are dropped where files are read.
         all.push(triangle(a, a + u, a + u));
     }
-    let prepared = meshes(all);
+    // One that sees all of them: the hierarchy of an extreme scene is another.
+    let camera = Camera::look_at(DVec3::Z * 4e6, DVec3::ZERO, DVec3::Y, 60.0).unwrap();
+    let prepared = meshes_before(camera, all);
     let rays: Vec<_> = (0..20_000)
         .map(|i| {
             let origin = 1.2 * random.in_cube();
