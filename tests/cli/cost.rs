@@ -261,7 +261,7 @@ fn what_a_scene_cannot_use_is_listed_and_names_are_escaped() {
         "cost",
         text(&scene),
         "--budget",
-        "500ms",
+        "2s",
         "--strategies",
         "bsdf,light-area",
         "--samplers",
