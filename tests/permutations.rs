@@ -2,8 +2,11 @@
 
 use crate::support::{STRATEGIES, own_scenes};
 use clap::ValueEnum;
+use direkt::accel::parts::Split;
 use direkt::effects::{Effect, Effects};
-use direkt::gpu::shader::{Config, link};
+use direkt::gpu::SceneKernel;
+use direkt::gpu::kernel::DIRECT;
+use direkt::gpu::shader::Config;
 use direkt::render::Prepared;
 use direkt::scene::{LightSelection, ShadowPattern, Strategy};
 
@@ -13,11 +16,16 @@ const CONFIG: Config = Config {
     light_groups: 2,
     environment_group: 1,
     light_boxes: 1,
+    split: None,
 };
 
 fn validate(effects: &Effects, what: &str) -> String {
-    let wgsl = link("kernel::direct", effects.features(), CONFIG)
-        .unwrap_or_else(|e| panic!("{what}: {e}"));
+    validate_with(effects, CONFIG, what)
+}
+
+fn validate_with(effects: &Effects, config: Config, what: &str) -> String {
+    let wgsl =
+        SceneKernel::link(&DIRECT, effects, config).unwrap_or_else(|e| panic!("{what}: {e}"));
     let module = naga::front::wgsl::parse_str(&wgsl)
         .unwrap_or_else(|e| panic!("{what}: {}", e.emit_to_string(&wgsl)));
     let mut validator = naga::valid::Validator::new(
@@ -76,6 +84,11 @@ fn no_effect_and_all_effects_link() {
         all.call_for(effect, || "all".to_owned());
     }
     validate(&all, "all");
+    let split = Config {
+        split: Some(Split::of_words(1 << 23)),
+        ..CONFIG
+    };
+    validate_with(&all, split, "all, split");
 }
 
 #[test]
@@ -105,6 +118,7 @@ fn what_a_scene_does_not_call_for_is_not_in_its_shader() {
         "own_samples",
         "opacity_at",
         "is_stopped",
+        "primitives_1",
     ] {
         assert!(
             !wgsl.contains(absent),

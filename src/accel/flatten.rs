@@ -8,6 +8,8 @@ use obvhs::bvh2::Bvh2;
 pub const MAX_DEPTH: usize = 64;
 /// Most primitives in one leaf: the reference has three bits for the count.
 pub const MAX_LEAF_PRIMITIVES: u32 = 8;
+/// Most primitives: a leaf's reference has 28 bits for the first one.
+pub const MAX_PRIMITIVES: u64 = 1 << 28;
 /// Marks a reference as a leaf.
 pub const LEAF: u32 = 0x8000_0000;
 /// An inner node. Per child three words, one per axis (lower plane in the low half), and a reference.
@@ -89,7 +91,7 @@ fn flatten_node(bvh2: &Bvh2, first: u32, index: usize, depth: usize, out: &mut B
     let node = &bvh2.nodes[index];
     if node.prim_count > 0 {
         let first = first + node.first_index;
-        assert!(node.prim_count <= MAX_LEAF_PRIMITIVES && first < 1 << 28);
+        assert!(node.prim_count <= MAX_LEAF_PRIMITIVES && u64::from(first) < MAX_PRIMITIVES);
         return LEAF | (node.prim_count - 1) << 28 | first;
     }
     let children = [node.first_index as usize, node.first_index as usize + 1];

@@ -10,6 +10,7 @@ pub mod flatten;
 pub mod grid;
 pub mod light_boxes;
 pub mod octahedral;
+pub mod parts;
 pub mod primitives;
 
 pub use attributes::{Attributed, Attributes, texture_coordinates};

@@ -75,8 +75,9 @@ struct Report {
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let mut plan = arguments.plan()?;
-    let (prepared, settings) = prepare(arguments, &mut plan)?;
-    let context = Context::new(arguments.adapter.adapter.as_deref())?;
+    let device = arguments.adapter.open();
+    let (prepared, settings) = prepare(arguments, &mut plan, device.as_ref().ok())?;
+    let context = device?;
     let quiet = arguments.quiet || arguments.json.is_stdout();
     let template = "{bar:24} {percent:>3} % comparing, {eta} left";
     let bar = progress::bar(settings.samples, template, quiet);
@@ -140,8 +141,12 @@ impl Arguments {
 }
 
 /// Reads the scene and refuses what could not be compared, before anything runs.
-fn prepare(arguments: &Arguments, plan: &mut Plan) -> Result<(Prepared, Settings), Error> {
-    let mut scene = arguments.scene.load(plan)?;
+fn prepare(
+    arguments: &Arguments,
+    plan: &mut Plan,
+    device: Option<&Context>,
+) -> Result<(Prepared, Settings), Error> {
+    let mut scene = arguments.scene.load(plan, device)?;
     scene.render.sampler = Sampler::Independent;
     arguments.estimator.apply(&mut scene)?;
     warn(&scene);

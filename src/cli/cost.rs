@@ -100,12 +100,13 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.check()?;
     let interrupt = Interrupt::listen();
     let mut plan = arguments.plan()?;
-    let mut scenes = arguments.scenes.load(&mut plan)?;
+    let device = arguments.adapter.open();
+    let mut scenes = arguments.scenes.load(&mut plan, device.as_ref().ok())?;
     for scene in &mut scenes {
         arguments.image.apply(scene)?;
     }
     let bench = Bench {
-        context: Context::new(arguments.adapter.adapter.as_deref())?,
+        context: device?,
         interrupt,
         quiet: arguments.quiet || arguments.json.is_stdout(),
         plan,

@@ -19,8 +19,9 @@ use crate::explain::plot;
 use crate::explain::price::{self, Prices};
 use crate::explain::sample::{self, RandomNumbers, Rays};
 use crate::explain::shader::ShaderSize;
-use crate::gpu::shader::{self, Config};
-use crate::gpu::{AdapterFacts, Context};
+use crate::gpu::kernel::DIRECT;
+use crate::gpu::shader::Config;
+use crate::gpu::{AdapterFacts, SceneKernel};
 use crate::image::extension;
 use crate::render::Prepared;
 use crate::scene::load::schema;
@@ -116,13 +117,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         return Ok(ExitCode::SUCCESS);
     };
     let mut plan = arguments.plan()?;
-    let mut scene = arguments.assets.load(path, &mut plan)?;
+    let mut scene = arguments.assets.load(path, &mut plan, None)?;
     arguments.aov.apply(&mut scene);
     arguments.estimator.apply(&mut scene)?;
     let settings = scene.render;
     let mut prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
-    let features = prepared.effects.features();
-    let wgsl = shader::link("kernel::direct", features, Config::of(&prepared))?;
+    let wgsl = SceneKernel::link(&DIRECT, &prepared.effects, Config::of(&prepared))?;
     if arguments.wgsl {
         print(&wgsl);
         return Ok(ExitCode::SUCCESS);
@@ -175,7 +175,7 @@ impl Arguments {
         prepared: &mut Prepared,
         report: &mut Report,
     ) -> Result<Option<Prices>, Error> {
-        let context = Context::new(self.adapter.adapter.as_deref())?;
+        let context = self.adapter.open()?;
         let interrupt = Interrupt::listen();
         interrupt.defer();
         let progress = Bar::new(self.budget, self.quiet);

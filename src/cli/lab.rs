@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         plan.reserve(folder, "svg")?;
     }
     let mut failures = Failures::default();
-    let context = Context::new(arguments.adapter.adapter.as_deref())?;
+    let context = arguments.adapter.open()?;
     let to_stdout = !arguments.json.is_stdout();
     if to_stdout {
         print(&heading(&context, arguments));

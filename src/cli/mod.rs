@@ -19,8 +19,8 @@ mod render;
 mod settings;
 
 use crate::console::{self, say};
-use crate::error::Error;
-use crate::gpu::shader;
+use crate::error::{Error, GpuError};
+use crate::gpu::{Context, shader};
 use crate::output::{self, Destination};
 use clap::{Parser, Subcommand};
 use plan::Plan;
@@ -88,6 +88,13 @@ struct AdapterArgument {
     /// Use the first adapter whose name or driver contains this (any case); see `direkt doctor`
     #[arg(long, value_name = "SUBSTRING")]
     adapter: Option<String>,
+}
+
+impl AdapterArgument {
+    /// Opens it.
+    fn open(&self) -> Result<Context, GpuError> {
+        Context::new(self.adapter.as_deref())
+    }
 }
 
 /// Where the same facts go as JSON.

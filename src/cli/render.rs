@@ -139,8 +139,8 @@ impl Arguments {
     }
 
     /// Reads the scene and refuses what could not be rendered or written in the end.
-    fn load(&self, plan: &mut Plan) -> Result<Scene, Error> {
-        let mut scene = self.scene.load(plan)?;
+    fn load(&self, plan: &mut Plan, device: Option<&Context>) -> Result<Scene, Error> {
+        let mut scene = self.scene.load(plan, device)?;
         self.settings.apply(&mut scene)?;
         self.keep_aovs(&mut scene)?;
         self.check.before(&scene)?;
@@ -154,7 +154,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let start = Instant::now();
     let interrupt = Interrupt::listen();
     let mut plan = arguments.plan()?;
-    let scene = arguments.load(&mut plan)?;
+    let device = arguments.adapter.open();
+    let scene = arguments.load(&mut plan, device.as_ref().ok())?;
     let load_seconds = start.elapsed().as_secs_f64();
     let settings = scene.render;
     let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
@@ -166,7 +167,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let mut failures = Failures::default();
     let rendered = render(
         arguments,
-        &prepared,
+        (&prepared, device?),
         interrupt,
         quiet,
         &mut live,
@@ -191,13 +192,14 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
 /// Takes the passes. Where the driver fails after the first ones, that is a failure of its own, and the image so far is returned.
 fn render(
     arguments: &Arguments,
-    prepared: &Prepared,
+    (prepared, device): (&Prepared, Context),
     interrupt: Interrupt,
     quiet: bool,
     live: &mut Live<'_>,
     failures: &mut Failures,
 ) -> Result<Rendered, Error> {
-    let open = || Context::new(arguments.adapter.adapter.as_deref());
+    let mut first = Some(device);
+    let open = || first.take().map_or_else(|| arguments.adapter.open(), Ok);
     let mut begun = None;
     let work = |session: &mut Session<'_>| {
         let (passes, device) = begun.get_or_insert_with(|| {

@@ -3,6 +3,7 @@
 use super::plan::Plan;
 use crate::console::say;
 use crate::error::Error;
+use crate::gpu::Context;
 use crate::scene::load::{LoadOptions, load_with_files};
 use crate::scene::settings::MAX_SPECULAR_DEPTH;
 use crate::scene::shadow_rays::MAX_SHADOW_RAYS;
@@ -24,13 +25,24 @@ impl AssetArguments {
     pub fn options(&self) -> LoadOptions {
         LoadOptions {
             assets: self.assets.clone(),
+            capacity: None,
         }
     }
 
-    /// Reads the scene of `path`. Files that `plan` is going to write are refused where it reads them.
-    pub fn load(&self, path: &PathBuf, plan: &mut Plan) -> Result<Scene, Error> {
+    /// Reads the scene of `path`, of at most as many triangles as `device` takes, where it is open. Files that `plan` is going
+    /// to write are refused where it reads them.
+    pub fn load(
+        &self,
+        path: &PathBuf,
+        plan: &mut Plan,
+        device: Option<&Context>,
+    ) -> Result<Scene, Error> {
         plan.spare([path], "the scene itself")?;
-        let (scene, files) = load_with_files(path, &self.options());
+        let options = LoadOptions {
+            capacity: device.map(Context::capacity),
+            ..self.options()
+        };
+        let (scene, files) = load_with_files(path, &options);
         let scene = scene?;
         plan.spare(&files, "a file that the scene reads")?;
         Ok(scene)
@@ -55,9 +67,9 @@ pub struct SceneArguments {
 }
 
 impl SceneArguments {
-    /// Reads the scene. Files that `plan` is going to write are refused where it reads them.
-    pub fn load(&self, plan: &mut Plan) -> Result<Scene, Error> {
-        self.assets.load(&self.scene, plan)
+    /// Reads the scene; see [`AssetArguments::load`].
+    pub fn load(&self, plan: &mut Plan, device: Option<&Context>) -> Result<Scene, Error> {
+        self.assets.load(&self.scene, plan, device)
     }
 }
 
@@ -74,9 +86,9 @@ pub struct SceneListArguments {
 impl SceneListArguments {
     /// Reads the scenes, and says on stderr what they ask for and direkt does not do. Files that `plan` is going to write are
     /// refused where they read them.
-    pub fn load(&self, plan: &mut Plan) -> Result<Vec<Scene>, Error> {
+    pub fn load(&self, plan: &mut Plan, device: Option<&Context>) -> Result<Vec<Scene>, Error> {
         let load = |path: &PathBuf| {
-            let scene = self.assets.load(path, plan)?;
+            let scene = self.assets.load(path, plan, device)?;
             warn(&scene);
             Ok(scene)
         };

@@ -1,6 +1,10 @@
 //! The adapter and the device.
 
+use super::scene_buffers::BINDINGS_OF_SPLIT;
+use crate::accel::flatten::MAX_PRIMITIVES;
+use crate::accel::parts::{PARTS, PRIMITIVE_WORDS, Split, WORD_BYTES};
 use crate::error::GpuError;
+use crate::scene::load::Capacity;
 use serde::Serialize;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -143,6 +147,24 @@ impl Context {
             id: DEVICES.fetch_add(1, Ordering::Relaxed),
             troubles,
         })
+    }
+
+    /// Most triangles that a scene may have on this adapter.
+    pub fn capacity(&self) -> Capacity {
+        let limits = &self.limits;
+        let binding = limits.max_storage_buffer_binding_size;
+        let words = binding.min(limits.max_buffer_size) / WORD_BYTES as u64;
+        let whole = words / PRIMITIVE_WORDS as u64;
+        let split = if limits.max_storage_buffers_per_shader_stage >= BINDINGS_OF_SPLIT {
+            let part = 1 << words.max(1).ilog2();
+            (PARTS * Split::of_words(part).primitives) as u64
+        } else {
+            0
+        };
+        Capacity {
+            triangles: whole.max(split).min(MAX_PRIMITIVES),
+            adapter: self.adapter.name.clone(),
+        }
     }
 
     /// Runs `work` and turns what the driver reports meanwhile into an error.

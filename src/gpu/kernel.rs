@@ -5,6 +5,7 @@ use super::context::Context;
 use super::layout::{Dispatch, Frame, GroupMean, PixelState};
 use super::scene_buffers::SceneBuffers;
 use super::shader::{self, Config};
+use crate::accel::parts::PARTS;
 use crate::effects::{Effect, Effects};
 use crate::error::GpuError;
 
@@ -129,8 +130,17 @@ const LAYERS: wgpu::BindingType = wgpu::BindingType::Texture {
     multisampled: false,
 };
 
-/// The bindings of group 1 that a kernel with `effects` has; see `shaders/scene/bindings.wesl`.
-fn scene_types(effects: &Effects) -> Vec<(u32, wgpu::BindingType)> {
+/// Parts of an array beside the first.
+const FURTHER: u32 = PARTS as u32 - 1;
+/// First binding of the further parts of the nodes.
+const NODE_PARTS: u32 = 11;
+/// The same of the primitives.
+const PRIMITIVE_PARTS: u32 = NODE_PARTS + FURTHER;
+/// The same of the attributes.
+const ATTRIBUTE_PARTS: u32 = PRIMITIVE_PARTS + FURTHER;
+
+/// The bindings of group 1 that a kernel with `effects` has, over geometry that is split or not; see `shaders/scene/bindings.wesl`.
+fn scene_types(effects: &Effects, split: bool) -> Vec<(u32, wgpu::BindingType)> {
     let any = |of: &[Effect]| of.iter().any(|e| effects.contains(*e));
     let mut types = numbered(&[READ; 5]);
     if any(&[Effect::EnvironmentMap]) {
@@ -143,8 +153,17 @@ fn scene_types(effects: &Effects) -> Vec<(u32, wgpu::BindingType)> {
         Effect::AlphaTexture,
     ];
     let of_vertices = [Effect::SmoothNormals, Effect::VertexColors];
-    if any(&data) || any(&colors) || any(&of_vertices) {
+    let attributes = any(&data) || any(&colors) || any(&of_vertices);
+    if attributes {
         types.push((7, READ));
+    }
+    if split {
+        let end = if attributes {
+            ATTRIBUTE_PARTS + FURTHER
+        } else {
+            ATTRIBUTE_PARTS
+        };
+        types.extend((NODE_PARTS..end).map(|binding| (binding, READ)));
     }
     if any(&colors) || any(&[Effect::EmissiveTexture]) {
         types.push((8, LAYERS));
@@ -211,7 +230,7 @@ impl SceneKernel {
         config: Config,
     ) -> Result<Self, GpuError> {
         let wgsl = Self::link(entry, effects, config)?;
-        Self::compile(context, entry, effects, wgsl)
+        Self::compile(context, entry, (effects, config), wgsl)
     }
 
     /// The WGSL of `entry` for `effects`.
@@ -220,18 +239,19 @@ impl SceneKernel {
     /// The shader does not link.
     pub fn link(entry: &Entry<'_>, effects: &Effects, config: Config) -> Result<String, GpuError> {
         let further = entry.features.iter().map(|f| (*f, true));
-        let features = effects.features().chain(further);
+        let split = ("SPLIT_GEOMETRY", config.split.is_some());
+        let features = effects.features().chain(further).chain([split]);
         shader::link_with(entry.module, entry.source, features, config)
     }
 
-    /// Compiles what [`link`](Self::link) made for `effects`.
+    /// Compiles what [`link`](Self::link) made for `effects` and `config`.
     ///
     /// # Errors
     /// The driver refuses it.
     pub fn compile(
         context: &Context,
         entry: &Entry<'_>,
-        effects: &Effects,
+        (effects, config): (&Effects, Config),
         wgsl: String,
     ) -> Result<Self, GpuError> {
         let device = &context.device;
@@ -240,7 +260,7 @@ impl SceneKernel {
         let mut pass_types = vec![UNIFORM, UNIFORM, READ_WRITE, READ_WRITE];
         pass_types.extend(has_light_groups.then_some(READ_WRITE));
         let pass_layout = layout(device, &format!("{name}.pass"), &numbered(&pass_types));
-        let scene_types = scene_types(effects);
+        let scene_types = scene_types(effects, config.split.is_some());
         let scene_layout = layout(device, &format!("{name}.scene"), &scene_types);
         let own_layout = (!entry.own.is_empty())
             .then(|| layout(device, &format!("{name}.own"), &numbered(entry.own)));
@@ -307,8 +327,8 @@ impl SceneKernel {
     /// Binds the scene.
     pub fn bind_scene(&self, device: &wgpu::Device, scene: &SceneBuffers) -> SceneBindings {
         let resources = [
-            scene.nodes.binding(),
-            scene.primitives.binding(),
+            scene.nodes.binding(0),
+            scene.primitives.binding(0),
             scene.materials.binding(),
             scene.lights.binding(),
             scene.light_choice.binding(),
@@ -318,11 +338,19 @@ impl SceneKernel {
         resources.extend([
             (5, scene.environment.alias.binding()),
             (6, texture(&scene.environment.texels)),
-            (7, scene.attributes.binding()),
+            (7, scene.attributes.binding(0)),
             (8, texture(&scene.textures.colors.view)),
             (9, texture(&scene.textures.data.view)),
             (10, scene.emission_cells.binding()),
         ]);
+        for part in 1..PARTS {
+            let binding = |first: u32| first + part as u32 - 1;
+            resources.extend([
+                (binding(NODE_PARTS), scene.nodes.binding(part)),
+                (binding(PRIMITIVE_PARTS), scene.primitives.binding(part)),
+                (binding(ATTRIBUTE_PARTS), scene.attributes.binding(part)),
+            ]);
+        }
         resources.retain(|(binding, _)| self.scene_bindings.contains(binding));
         SceneBindings(bind(device, self.label, &self.scene_layout, resources))
     }

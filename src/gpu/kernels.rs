@@ -33,7 +33,7 @@ impl Kernels {
         if let Some(known) = self.known.iter().find(|kernel| kernel.wgsl() == wgsl) {
             return Ok(known.clone());
         }
-        let kernel = SceneKernel::compile(context, entry, effects, wgsl)?;
+        let kernel = SceneKernel::compile(context, entry, (effects, config), wgsl)?;
         self.known.push(kernel.clone());
         Ok(kernel)
     }

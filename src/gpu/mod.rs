@@ -10,6 +10,7 @@ pub mod kernels;
 pub mod layout;
 mod lights;
 mod materials;
+mod parts;
 pub mod program;
 pub mod recorder;
 pub mod scene_buffers;

@@ -10,7 +10,9 @@ use super::layout::{
 };
 use super::lights::{choice_words, emission_cell_words, first_emission_word, light_words};
 use super::materials::{MaterialWords, material_words};
+use super::parts::{Parts, largest_part};
 use super::textures::{TextureArrays, atlases};
+use crate::accel::parts::PRIMITIVE_WORDS;
 use crate::accel::{Attributed, Node, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Selection};
 use crate::error::GpuError;
@@ -27,9 +29,9 @@ pub(super) type Word = [u32; 4];
 #[derive(Debug)]
 pub struct SceneBuffers {
     /// Inner nodes of the BVH.
-    pub nodes: GpuBuffer<Node>,
+    pub nodes: Parts<Node>,
     /// Three words per primitive.
-    pub primitives: GpuBuffer<Word>,
+    pub primitives: Parts<Word>,
     /// [`MATERIAL_WORDS`](super::layout::MATERIAL_WORDS) words per material, and those of textures.
     pub materials: GpuBuffer<Word>,
     /// [`LIGHT_WORDS`](super::layout::LIGHT_WORDS) words per light, and those of maps of emission.
@@ -40,7 +42,7 @@ pub struct SceneBuffers {
     /// The environment map; a texel where there is none.
     pub environment: EnvironmentBuffers,
     /// Words of [`Attributes`](crate::accel::Attributes).
-    pub attributes: GpuBuffer<[f32; 4]>,
+    pub attributes: Parts<[f32; 4]>,
     /// Textures of materials and lights.
     pub textures: TextureArrays,
     /// One word per cell of the maps of emission.
@@ -54,6 +56,8 @@ impl SceneBuffers {
     /// A buffer or the environment map is larger than the adapter binds, or memory runs out.
     pub fn new(context: &Context, prepared: &Prepared) -> Result<Self, GpuError> {
         check_maps(context, prepared)?;
+        check_bindings(context, prepared)?;
+        let split = prepared.split;
         let primitives = primitive_words(prepared);
         let attributes = prepared.attributes.words.as_slice();
         check_attributes(context, prepared)?;
@@ -66,25 +70,29 @@ impl SceneBuffers {
         let lights = light_words(prepared, &emission);
         let cells = emission_cell_words(prepared);
         let choice = choice_words(prepared);
+        let bytes = |words: &[Word]| size_of_val(words) as u64;
         for (what, bytes) in [
             (
                 "the BVH's nodes",
-                size_of_val(prepared.bvh.nodes.as_slice()),
+                largest_part(&prepared.bvh.nodes, split.map(|s| s.nodes)),
             ),
-            ("the primitives", size_of_val(primitives.as_slice())),
+            (
+                "the primitives",
+                largest_part(&primitives, split.map(|s| PRIMITIVE_WORDS * s.primitives)),
+            ),
             (
                 "the vertex normals, texture coordinates and colours",
-                size_of_val(attributes),
+                largest_part(attributes, split.map(|s| s.words)),
             ),
-            ("the materials", size_of_val(materials.as_slice())),
-            ("the lights", size_of_val(lights.as_slice())),
-            ("what lights are chosen by", size_of_val(choice.as_slice())),
+            ("the materials", bytes(&materials)),
+            ("the lights", bytes(&lights)),
+            ("what lights are chosen by", bytes(&choice)),
             (
                 "what points on textured lights are chosen by",
-                size_of_val(cells.as_slice()),
+                bytes(&cells),
             ),
         ] {
-            check_size(context, what, bytes as u64)?;
+            check_size(context, what, bytes)?;
         }
         let radiance = prepared.scene.environment.as_ref().map(|e| &e.radiance);
         let environment = match (radiance, &prepared.emitters.environment) {
@@ -95,13 +103,28 @@ impl SceneBuffers {
         };
         let device = &context.device;
         context.checked(|| Self {
-            nodes: GpuBuffer::storage(device, "scene.nodes", &prepared.bvh.nodes),
-            primitives: GpuBuffer::storage(device, "scene.primitives", &primitives),
+            nodes: Parts::storage(
+                device,
+                "scene.nodes",
+                &prepared.bvh.nodes,
+                split.map(|s| s.nodes),
+            ),
+            primitives: Parts::storage(
+                device,
+                "scene.primitives",
+                &primitives,
+                split.map(|s| PRIMITIVE_WORDS * s.primitives),
+            ),
             materials: GpuBuffer::storage(device, "scene.materials", &materials),
             lights: GpuBuffer::storage(device, "scene.lights", &lights),
             light_choice: GpuBuffer::storage(device, "scene.light_choice", &choice),
             environment,
-            attributes: GpuBuffer::storage(device, "scene.attributes", attributes),
+            attributes: Parts::storage(
+                device,
+                "scene.attributes",
+                attributes,
+                split.map(|s| s.words),
+            ),
             textures,
             emission_cells: GpuBuffer::storage(device, "scene.emission_cells", &cells),
         })
@@ -120,7 +143,10 @@ impl SceneBuffers {
         let attributes = prepared.attributes.words.len();
         let mut sizes = vec![
             ("scene.nodes", nodes as u64),
-            ("scene.primitives", words(3 * prepared.primitives.len())),
+            (
+                "scene.primitives",
+                words(PRIMITIVE_WORDS * prepared.primitives.len()),
+            ),
             ("scene.materials", words(materials.words.len())),
             ("scene.lights", words(lights)),
             ("scene.light_choice", words(choice_words(prepared).len())),
@@ -154,6 +180,22 @@ fn check_maps(context: &Context, prepared: &Prepared) -> Result<(), GpuError> {
         what: "triangles that emit a texture".to_owned(),
         needed,
         limit,
+        adapter: context.adapter.name.clone(),
+    })
+}
+
+/// Storage buffers of a kernel over split geometry: those of groups 0 and 2, and of the scene.
+pub(super) const BINDINGS_OF_SPLIT: u32 = 28;
+
+fn check_bindings(context: &Context, prepared: &Prepared) -> Result<(), GpuError> {
+    let limit = context.limits.max_storage_buffers_per_shader_stage;
+    if prepared.split.is_none() || limit >= BINDINGS_OF_SPLIT {
+        return Ok(());
+    }
+    Err(GpuError::TooMany {
+        what: format!("buffers for {} primitives", prepared.primitives.len()),
+        needed: BINDINGS_OF_SPLIT.into(),
+        limit: limit.into(),
         adapter: context.adapter.name.clone(),
     })
 }
@@ -214,7 +256,12 @@ fn primitive_words(prepared: &Prepared) -> Vec<Word> {
         .collect()
 }
 
-fn one_primitive(scene: &Scene, p: &Primitive, light: u32, attributed: &Attributed) -> [Word; 3] {
+fn one_primitive(
+    scene: &Scene,
+    p: &Primitive,
+    light: u32,
+    attributed: &Attributed,
+) -> [Word; PRIMITIVE_WORDS] {
     let flag = |set: bool, bit: u32| if set { bit } else { 0 };
     let has = flag(attributed.normals, HAS_NORMALS)
         | flag(attributed.uvs, HAS_UVS)

@@ -1,5 +1,6 @@
 //! Links WESL modules into one WGSL module.
 
+use crate::accel::parts::Split;
 use crate::emitters::Emitter;
 use crate::error::GpuError;
 use crate::render::Prepared;
@@ -28,6 +29,8 @@ pub struct Config {
     pub environment_group: u32,
     /// Boxes around what emits.
     pub light_boxes: u32,
+    /// How nodes, primitives and attributes are split, where they are.
+    pub split: Option<Split>,
 }
 
 impl Default for Config {
@@ -38,6 +41,7 @@ impl Default for Config {
             light_groups: 1,
             environment_group: 0,
             light_boxes: 0,
+            split: None,
         }
     }
 }
@@ -53,6 +57,7 @@ impl Config {
             light_groups: emitters.groups.count(),
             environment_group: environment.map_or(0, |index| emitters.groups.of_light(index)),
             light_boxes: prepared.light_boxes.len() as u32,
+            split: prepared.split,
             ..Self::default()
         }
     }
@@ -65,8 +70,16 @@ impl Config {
             ("ENVIRONMENT_GROUP", self.environment_group),
             ("LIGHT_BOX_COUNT", self.light_boxes),
         ];
+        let parts = self.split.map(|split| {
+            [
+                ("NODES_PER_PART", split.nodes as u32),
+                ("PRIMITIVES_PER_PART", split.primitives as u32),
+                ("WORDS_PER_PART", split.words as u32),
+            ]
+        });
+        let constants = constants.into_iter().chain(parts.into_iter().flatten());
         let lines = constants.map(|(name, value)| format!("const {name}: u32 = {value}u;\n"));
-        lines.concat()
+        lines.collect()
     }
 }
 

@@ -1,5 +1,6 @@
 //! From a scene to everything that the GPU needs.
 
+use crate::accel::parts::Split;
 use crate::accel::{self, Attributes, Bvh, Primitive};
 use crate::effects::{self, Effect, Effects};
 use crate::emitters::Emitters;
@@ -25,6 +26,8 @@ pub struct Prepared {
     pub emitters: Emitters,
     /// Boxes around the primitives that emit; see [`accel::light_boxes`](crate::accel::light_boxes()).
     pub light_boxes: Vec<[u32; 3]>,
+    /// How nodes, primitives and attributes are split, where one of them is too long for a binding.
+    pub split: Option<Split>,
     /// What is compiled in, and why.
     pub effects: Effects,
     /// Seconds that building the hierarchy took.
@@ -52,6 +55,7 @@ impl Prepared {
         let emitters = Emitters::new(&scene, &normalization, &primitives, strategy, selection);
         let emitting = emitters.primitives();
         let emitting = emitting.map(|index| primitives[index as usize].geometry.bounds());
+        let split = Split::of(bvh.nodes.len(), primitives.len(), attributes.words.len());
         let light_boxes = accel::light_boxes(&bvh, emitting.collect());
         let effects = effects::called_for(&scene, &primitives, &attributes, &emitters, strategy);
         let mut prepared = Self {
@@ -62,6 +66,7 @@ impl Prepared {
             bvh,
             emitters,
             light_boxes,
+            split,
             effects,
             accel_seconds,
         };

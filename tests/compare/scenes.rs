@@ -129,6 +129,7 @@ fn gpu_and_reference_agree_on_gltf_and_on_scenes_with_models() {
     };
     let options = LoadOptions {
         assets: vec![assets.clone()],
+        ..LoadOptions::default()
     };
     let project = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     for path in [

@@ -5,10 +5,11 @@ use crate::support::hard_cases::{Measured, survive_by_driver};
 use crate::support::{
     context, floor_pixel, lambert, own_scenes, point_light, prepared, scene, shape, take,
 };
+use direkt::accel::parts::{PARTS, Split};
 use direkt::effects::Effect;
 use direkt::gpu::doctor::loops::loop_budget;
 use direkt::render::{Film, Prepared, Session, StopReason};
-use direkt::scene::{Emission, FilmSize, Geometry, MaterialId, Sampler, Scene};
+use direkt::scene::{Camera, Emission, FilmSize, Geometry, MaterialId, Mesh, Sampler, Scene};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
@@ -41,6 +42,62 @@ fn passes_may_be_cut_anywhere() {
     let long = film_of(&prepared, &[255, 40, 45]);
     assert!(long.pixels.iter().all(|p| p.samples == 301));
     assert_eq!(long, film_of(&prepared, &[256, 45]));
+}
+
+/// 510 smooth triangles over the unit square, lit from above and seen from aslant.
+fn waves() -> Scene {
+    const COLUMNS: u32 = 17;
+    const ROWS: u32 = 15;
+    let vertices = (0..=ROWS).flat_map(|y| (0..=COLUMNS).map(move |x| (x, y)));
+    let position = |(x, y)| {
+        let (x, y) = (
+            f64::from(x) / f64::from(COLUMNS),
+            f64::from(y) / f64::from(ROWS),
+        );
+        DVec3::new(x - 0.5, y - 0.5, 0.05 * (9.0 * x).sin() * (7.0 * y).cos())
+    };
+    let positions: Vec<DVec3> = vertices.map(position).collect();
+    let cells = (0..ROWS).flat_map(|y| (0..COLUMNS).map(move |x| y * (COLUMNS + 1) + x));
+    let triangles = cells.flat_map(|a| {
+        let above = a + COLUMNS + 1;
+        [[a, a + 1, above + 1], [a, above + 1, above]]
+    });
+    let mut scene = floor_pixel();
+    scene.camera =
+        Camera::look_at(DVec3::new(0.0, -1.0, 0.8), DVec3::ZERO, DVec3::Z, 50.0).unwrap();
+    scene.film = FilmSize {
+        width: 48,
+        height: 32,
+    };
+    let normals = positions.iter().map(|p| (DVec3::Z + 0.3 * *p).normalize());
+    let mesh = Mesh {
+        normals: normals.collect(),
+        triangles: triangles.collect(),
+        positions,
+        ..Mesh::default()
+    };
+    scene.shapes = vec![shape("waves", Geometry::Mesh(mesh))];
+    scene.lights = vec![point_light(DVec3::new(0.2, 0.1, 1.0), 3.0)];
+    scene
+}
+
+/// Nodes, primitives and attributes in several bindings, as large scenes have them, are read as in one.
+#[test]
+fn split_geometry_is_the_same() {
+    let mut prepared = prepared(waves());
+    assert_eq!(prepared.split, None);
+    let whole = film_of(&prepared, &[2]);
+    assert!(whole.mean()[0] > 0.0);
+    let (nodes, primitives) = (prepared.bvh.nodes.len(), prepared.primitives.len());
+    let words = prepared.attributes.words.len();
+    let [nodes, primitives, words] = [nodes, primitives, words].map(|count| count.div_ceil(PARTS));
+    let split = Split {
+        nodes,
+        primitives,
+        words,
+    };
+    prepared.split = Some(split);
+    assert_eq!(whole, film_of(&prepared, &[2]));
 }
 
 #[test]

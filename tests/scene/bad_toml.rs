@@ -48,6 +48,7 @@ fn files_that_are_not_there() {
     }
     let options = LoadOptions {
         assets: vec![folder.path("nowhere")],
+        ..LoadOptions::default()
     };
     assert_eq!(
         folder

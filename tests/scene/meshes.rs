@@ -193,6 +193,7 @@ fn gltf_meshes_bring_their_geometry_alone() {
     );
     let options = LoadOptions {
         assets: vec![assets],
+        ..LoadOptions::default()
     };
     let scene = folder
         .load_with("scene.toml", &options)
@@ -216,6 +217,7 @@ fn real_ply_files_load() {
         let folder = Folder::new();
         let options = LoadOptions {
             assets: vec![assets],
+            ..LoadOptions::default()
         };
         let path = folder.write(
             "scene.toml",

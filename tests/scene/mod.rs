@@ -5,6 +5,7 @@ mod bad_gltf;
 mod bad_toml;
 mod broken_files;
 mod builder;
+mod capacity;
 mod exr_layers;
 mod files;
 mod fuzz;

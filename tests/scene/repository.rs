@@ -111,6 +111,7 @@ fn other_scenes_of_the_repository_load() {
     };
     let options = LoadOptions {
         assets: vec![assets],
+        ..LoadOptions::default()
     };
     let bunny = repository_scene("bunny.toml", &options);
     assert_eq!(bunny.warnings, [""; 0]);

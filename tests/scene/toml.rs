@@ -322,6 +322,7 @@ fn files_are_found_in_assets_and_symbolic_links_are_followed() {
     );
     let options = LoadOptions {
         assets: vec![assets.path("")],
+        ..LoadOptions::default()
     };
     assert!(folder.load("scenes/scene.toml").is_err());
     let scene = folder

@@ -3,6 +3,8 @@
 //! A scene may be a stranger's: the files it names lie in its own folder or in a folder that the user named with
 //! `--assets`, symbolic links resolved, and nowhere else.
 
+use super::LoadOptions;
+use super::room::Room;
 use crate::error::InputError;
 use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
@@ -15,18 +17,20 @@ pub(super) struct Folders {
     allowed: Vec<PathBuf>,
     /// Files that were found, here and for files that the scene includes.
     found: Arc<Mutex<Vec<PathBuf>>>,
+    /// For the triangles of all of them.
+    pub(super) room: Room,
 }
 
 impl Folders {
-    /// The folder of the scene file `path`, then `assets`. Fails when one of them does not exist.
-    pub(super) fn of_scene(path: &Path, assets: &[PathBuf]) -> Result<Self, InputError> {
+    /// The folder of the scene file `path`, then those of `options`. Fails when one of them does not exist.
+    pub(super) fn of_scene(path: &Path, options: &LoadOptions) -> Result<Self, InputError> {
         let file = std::fs::canonicalize(path).map_err(|e| unreadable(path, &e))?;
         let own = file
             .parent()
             .expect("a canonical path of a file has a parent")
             .to_path_buf();
         let mut lookup = vec![own];
-        for folder in assets {
+        for folder in &options.assets {
             let canonical = std::fs::canonicalize(folder)
                 .ok()
                 .filter(|f| f.is_dir())
@@ -43,6 +47,7 @@ impl Folders {
             allowed: lookup.clone(),
             lookup,
             found: Arc::default(),
+            room: Room::new(options.capacity.clone()),
         })
     }
 

@@ -45,8 +45,8 @@ pub(super) fn read(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<NamedMesh>, InputError> {
     let mesh = match format {
-        Format::Ply => ply::read(path, warnings)?,
-        Format::Obj => obj::read(path, warnings)?.mesh(warnings),
+        Format::Ply => ply::read(path, &folders.room, warnings)?,
+        Format::Obj => obj::read(path, &folders.room, warnings)?.mesh(warnings),
         Format::Gltf => return gltf_scene::load_meshes(path, folders, warnings),
     };
     let name = String::new();

@@ -18,6 +18,7 @@ mod obj;
 mod ply;
 mod polygon;
 mod radiance;
+mod room;
 mod text;
 mod texture;
 mod toml_scene;
@@ -28,6 +29,7 @@ mod warnings;
 use super::{Scene, validate};
 use crate::error::{Error, InputError, readable};
 use files::Folders;
+pub use room::Capacity;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -36,6 +38,8 @@ use std::path::{Path, PathBuf};
 pub struct LoadOptions {
     /// Further folders in which the files that a scene names are looked up, after the scene's own.
     pub assets: Vec<PathBuf>,
+    /// Most triangles that are worth reading; where there are more, that is said before they are read.
+    pub capacity: Option<Capacity>,
 }
 
 /// Reads the scene in `path` (`.toml`, `.gltf` or `.glb`) with every file it names, and validates it.
@@ -52,16 +56,16 @@ pub fn load_with_files(
     options: &LoadOptions,
 ) -> (Result<Scene, Error>, BTreeSet<PathBuf>) {
     let mut files = BTreeSet::from([path.to_path_buf()]);
-    let folders = match Folders::of_scene(path, &options.assets) {
+    let folders = match Folders::of_scene(path, options) {
         Ok(folders) => folders,
         Err(error) => return (Err(error.into()), files),
     };
-    let scene = load_from(path, &folders);
+    let scene = load_from(path, &folders, options);
     files.extend(folders.found());
     (scene, files)
 }
 
-fn load_from(path: &Path, folders: &Folders) -> Result<Scene, Error> {
+fn load_from(path: &Path, folders: &Folders, options: &LoadOptions) -> Result<Scene, Error> {
     let extension = files::extension(path);
     let mut scene = match extension.as_str() {
         "toml" => toml_scene::load(path, folders)?,
@@ -79,6 +83,7 @@ fn load_from(path: &Path, folders: &Folders) -> Result<Scene, Error> {
             .into());
         }
     };
+    room::check(&scene, options.capacity.as_ref())?;
     validate::validate(&scene)?;
     vertex_colors::drop_on_metals(&mut scene);
     let mut folded = fold::fold_constant(&mut scene.materials, &scene.textures);

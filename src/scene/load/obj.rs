@@ -4,6 +4,7 @@ mod statements;
 
 use super::files;
 use super::polygon::Triangulator;
+use super::room::Room;
 use super::text;
 use super::vertex_colors;
 use crate::error::InputError;
@@ -13,6 +14,8 @@ use statements::Reader;
 use std::collections::HashMap;
 use std::path::Path;
 
+/// Bytes of the shortest line of a face: `f 1 2 3` and its end.
+const SHORTEST_FACE: usize = 8;
 /// Stands for an attribute that a corner does not have.
 const NONE: u32 = u32::MAX;
 
@@ -45,8 +48,15 @@ pub(super) struct MaterialMesh {
 }
 
 /// Reads an OBJ file; what it holds besides goes to `warnings`.
-pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<ObjFile, InputError> {
+pub(super) fn read(
+    path: &Path,
+    room: &Room,
+    warnings: &mut Vec<String>,
+) -> Result<ObjFile, InputError> {
     let bytes = files::read(path)?;
+    if room.may_lack((bytes.len() / SHORTEST_FACE) as u64) {
+        room.take(path, "f", faces(&bytes))?;
+    }
     let mut reader = Reader::new(path);
     reader.read(&text::decode(&bytes))?;
     let file = reader.finish(warnings)?;
@@ -54,6 +64,12 @@ pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<ObjFile, I
         return Err(InputError::file(path, "holds no face", "a mesh"));
     }
     Ok(file)
+}
+
+/// Lines of `bytes` that begin a face.
+fn faces(bytes: &[u8]) -> u64 {
+    let lines = bytes.split(|&b| b == b'\n');
+    lines.filter(|line| line.starts_with(b"f ")).count() as u64
 }
 
 impl ObjFile {

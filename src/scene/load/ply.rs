@@ -5,6 +5,7 @@ mod clean;
 mod elements;
 
 use super::files;
+use super::room::Room;
 use super::text;
 use crate::error::InputError;
 use crate::scene::Mesh;
@@ -43,7 +44,11 @@ const NOISE: [&str; 3] = [
 ];
 
 /// Reads a PLY file; what it holds besides goes to `warnings`.
-pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Mesh, InputError> {
+pub(super) fn read(
+    path: &Path,
+    room: &Room,
+    warnings: &mut Vec<String>,
+) -> Result<Mesh, InputError> {
     let bytes = files::read(path)?;
     let bytes = text_as_utf8(&bytes);
     let clean::Header { text, end } = clean::header(&bytes);
@@ -58,6 +63,8 @@ pub(super) fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Mesh, Inpu
         .read_header(&mut Reader::new(text.as_bytes()))
         .map_err(failed)?;
     check_header(path, &header, bytes.len())?;
+    let faces = header.elements.get("face").map_or(0, |e| e.count);
+    room.take(path, "element face", faces as u64)?;
     let data = match header.encoding {
         Encoding::Ascii => Cow::Owned(clean::data(&bytes[end..]).into_bytes()),
         _ => Cow::Borrowed(&bytes[end..]),

@@ -62,6 +62,11 @@ impl Document {
         Ok(document)
     }
 
+    /// The file.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The file's name without its folder, for warnings.
     pub(super) fn file_name(&self) -> String {
         self.path

@@ -25,6 +25,7 @@ mod uri;
 use super::files::Folders;
 use super::frame;
 use super::mesh::{self, NamedMesh};
+use super::room::Room;
 use super::transform;
 use crate::error::InputError;
 use crate::scene::{
@@ -87,7 +88,7 @@ pub(super) fn load_part(
     let mut warnings = Vec::new();
     let shapes = shapes(
         &document,
-        &placed,
+        (&placed, &folders.room),
         placement,
         prefix,
         &mut materials,
@@ -118,7 +119,7 @@ pub(super) fn load_meshes(
 ) -> Result<Vec<NamedMesh>, InputError> {
     let document = Document::read(path, folders)?;
     let placed = nodes::of_default_scene(&document)?;
-    let mut primitives = Primitives::new(&document, &placed)?;
+    let mut primitives = Primitives::new(&document, &placed, &folders.room)?;
     let mut meshes = Vec::new();
     for node in &placed {
         for instance in primitives.of_node(node, &DAffine3::IDENTITY, warnings)? {
@@ -134,13 +135,13 @@ pub(super) fn load_meshes(
 
 fn shapes(
     document: &Document,
-    placed: &[Placed],
+    (placed, room): (&[Placed], &Room),
     placement: &DAffine3,
     prefix: &str,
     materials: &mut Materials,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Shape>, InputError> {
-    let mut primitives = Primitives::new(document, placed)?;
+    let mut primitives = Primitives::new(document, placed, room)?;
     let mut shapes = Vec::new();
     let mut dropped = 0;
     for node in placed {

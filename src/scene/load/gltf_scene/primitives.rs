@@ -9,6 +9,7 @@ use super::morph::{self, Weights};
 use super::nodes::Placed;
 use super::skins::{self, Skins};
 use crate::error::InputError;
+use crate::scene::load::room::Room;
 use crate::scene::load::transform;
 use crate::scene::{Geometry, Mesh};
 use glam::{DAffine3, DVec4};
@@ -48,7 +49,12 @@ pub(super) struct Primitives<'a> {
 impl<'a> Primitives<'a> {
     /// Those that the nodes `placed` show. Refuses files whose nodes multiply their meshes into more than a machine holds,
     /// before that is done.
-    pub(super) fn new(document: &'a Document, placed: &[Placed]) -> Result<Self, InputError> {
+    pub(super) fn new(
+        document: &'a Document,
+        placed: &[Placed],
+        room: &Room,
+    ) -> Result<Self, InputError> {
+        take_room(document, placed, room)?;
         let mut primitives = Self {
             document,
             decoded: HashMap::new(),
@@ -168,6 +174,36 @@ impl<'a> Primitives<'a> {
         };
         Ok(slot.as_ref())
     }
+}
+
+/// Takes room for the triangles that the accessors of the meshes of `placed` promise.
+fn take_room(document: &Document, placed: &[Placed], room: &Room) -> Result<(), InputError> {
+    for node in placed {
+        let Some((_, mesh)) = mesh_of(document, node)? else {
+            continue;
+        };
+        let promised = mesh
+            .primitives
+            .iter()
+            .map(|p| promised_triangles(document, p));
+        let promised = promised.fold(0, u64::saturating_add);
+        let all = promised.saturating_mul(instances::count(document, node.index));
+        room.take(document.path(), &format!("nodes[{}].mesh", node.index), all)?;
+    }
+    Ok(())
+}
+
+/// The triangles that the accessors of `primitive` promise; 0 for strips and fans, which may end at every vertex.
+fn promised_triangles(document: &Document, primitive: &Primitive) -> u64 {
+    if primitive.mode != Checked::Valid(Mode::Triangles) {
+        return 0;
+    }
+    let positions = primitive
+        .attributes
+        .get(&Checked::Valid(Semantic::Positions));
+    let corners = primitive.indices.as_ref().or(positions);
+    let accessor = corners.and_then(|index| document.root.accessors.get(index.value()));
+    accessor.map_or(0, |accessor| accessor.count.0 / 3)
 }
 
 /// How a node poses the primitives of its mesh.

@@ -44,7 +44,7 @@ pub(super) fn parts(
     };
     let mut parts = match format {
         Format::Obj => {
-            let obj = obj::read(&file, &mut context.warnings)?;
+            let obj = obj::read(&file, &context.folders.room, &mut context.warnings)?;
             obj_parts(context, &obj, &file, surfaces)?
         }
         other => mesh::read(other, &file, context.folders, &mut context.warnings)?
