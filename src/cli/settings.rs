@@ -4,6 +4,7 @@ use super::plan::Plan;
 use crate::console::say;
 use crate::error::Error;
 use crate::gpu::Context;
+use crate::render::memory;
 use crate::scene::load::{LoadOptions, load_with_files};
 use crate::scene::settings::MAX_SPECULAR_DEPTH;
 use crate::scene::shadow_rays::MAX_SHADOW_RAYS;
@@ -25,7 +26,7 @@ impl AssetArguments {
     pub fn options(&self) -> LoadOptions {
         LoadOptions {
             assets: self.assets.clone(),
-            capacity: None,
+            capacity: memory::capacity(),
         }
     }
 
@@ -38,10 +39,12 @@ impl AssetArguments {
         device: Option<&Context>,
     ) -> Result<Scene, Error> {
         plan.spare([path], "the scene itself")?;
-        let options = LoadOptions {
-            capacity: device.map(Context::capacity),
-            ..self.options()
-        };
+        let mut options = self.options();
+        let capacities = options
+            .capacity
+            .into_iter()
+            .chain(device.map(Context::capacity));
+        options.capacity = capacities.min_by_key(|c| c.triangles);
         let (scene, files) = load_with_files(path, &options);
         let scene = scene?;
         plan.spare(&files, "a file that the scene reads")?;

@@ -163,7 +163,10 @@ impl Context {
         };
         Capacity {
             triangles: whole.max(split).min(MAX_PRIMITIVES),
-            adapter: self.adapter.name.clone(),
+            reason: format!(
+                "which is what {} takes, or another --adapter",
+                self.adapter.name
+            ),
         }
     }
 

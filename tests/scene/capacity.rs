@@ -13,7 +13,7 @@ fn load(folder: &Folder, file: &str, triangles: u64) -> Result<usize, String> {
     let options = LoadOptions {
         capacity: Some(Capacity {
             triangles,
-            adapter: "the GPU".to_owned(),
+            reason: "which is what the GPU takes".to_owned(),
         }),
         ..LoadOptions::default()
     };
@@ -38,7 +38,7 @@ fn headers_of_ply_files_are_counted() {
     assert_eq!(load(&folder, "scene.toml", 5), Ok(1));
     assert_eq!(
         load(&folder, "scene.toml", 4).unwrap_err(),
-        "DIR/m.ply: element face: makes 5 triangles; expected at most 4 in a scene, which is what the GPU takes, or another --adapter"
+        "DIR/m.ply: element face: makes 5 triangles; expected at most 4 in a scene, which is what the GPU takes"
     );
     let broken = mesh("m.ply", format!("{header}{}", "not a number ".repeat(9)));
     let message = load(&broken, "scene.toml", 4).unwrap_err();
@@ -64,13 +64,13 @@ fn faces_of_obj_files_are_counted() {
     assert_eq!(load(&triangles, "scene.toml", 7), Ok(1));
     assert_eq!(
         load(&triangles, "scene.toml", 6).unwrap_err(),
-        "DIR/m.obj: f: makes 7 triangles; expected at most 6 in a scene, which is what the GPU takes, or another --adapter"
+        "DIR/m.obj: f: makes 7 triangles; expected at most 6 in a scene, which is what the GPU takes"
     );
     let quads = mesh("m.obj", format!("{vertices}{}", "f 1 2 3 4\n".repeat(7)));
     assert_eq!(load(&quads, "scene.toml", 14), Ok(1));
     assert_eq!(
         load(&quads, "scene.toml", 13).unwrap_err(),
-        "DIR/scene.toml: shapes[0]: hill: makes 14 triangles; expected at most 13 in a scene, which is what the GPU takes, or another --adapter"
+        "DIR/scene.toml: shapes[0]: hill: makes 14 triangles; expected at most 13 in a scene, which is what the GPU takes"
     );
 }
 
@@ -88,6 +88,6 @@ fn instances_in_gltf_files_are_counted() {
     assert_eq!(load(&folder, "scene.glb", 5), Ok(5));
     assert_eq!(
         load(&folder, "scene.glb", 4).unwrap_err(),
-        "DIR/scene.glb: nodes[4].mesh: makes 1 triangles, with those before them 5; expected at most 4 in a scene, which is what the GPU takes, or another --adapter"
+        "DIR/scene.glb: nodes[4].mesh: makes 1 triangles, with those before them 5; expected at most 4 in a scene, which is what the GPU takes"
     );
 }

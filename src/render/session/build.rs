@@ -117,7 +117,7 @@ impl<'a> Session<'a> {
         seed: u32,
         build: Build<'_>,
     ) -> Result<Self, GpuError> {
-        memory::check(context, film, prepared.emitters.groups.names.len())?;
+        memory::check(context, prepared, film)?;
         let buffers = SceneBuffers::new(context, prepared)?;
         let compile_start = Instant::now();
         let config = Config {

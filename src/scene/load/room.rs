@@ -11,8 +11,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct Capacity {
     /// Their number.
     pub triangles: u64,
-    /// Whose limit that is, for messages: the adapter's name.
-    pub adapter: String,
+    /// Whose limit that is, as messages say it behind their number.
+    pub reason: String,
 }
 
 /// What is left of a capacity, shared by all that reads a scene's files.
@@ -57,8 +57,8 @@ impl Room {
         };
         let problem = format!("makes {triangles} triangles{others}");
         let expected = format!(
-            "at most {} in a scene, which is what {} takes, or another --adapter",
-            capacity.triangles, capacity.adapter
+            "at most {} in a scene, {}",
+            capacity.triangles, capacity.reason
         );
         Err(InputError::new(path, field, problem, expected))
     }
@@ -85,7 +85,7 @@ mod tests {
     fn room(triangles: u64) -> Room {
         Room::new(Some(Capacity {
             triangles,
-            adapter: "a GPU".to_owned(),
+            reason: "which is what a GPU takes".to_owned(),
         }))
     }
 
