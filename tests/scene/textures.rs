@@ -253,3 +253,35 @@ fn gltf_attributes_are_as_many_as_positions() {
         "DIR/scene.gltf: meshes[0].primitives[0].attributes.NORMAL: has 2 elements; expected as many as POSITION, 3"
     );
 }
+
+/// A material with textures on what no texture can be laid over is worth a warning each, and on a rectangle none.
+#[test]
+fn textures_without_coordinates_are_told() {
+    let folder = Folder::new();
+    folder.write("t.png", png(&[[1, 2, 3]]));
+    folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let shape = |kind: &str| format!("[[shapes]]\nmaterial = \"m\"\n{kind}\n");
+    let sphere = shape("type = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1");
+    let text = "[environment]\nradiance = 1\n[camera]\neye = [0, 0, 9]\ntarget = [0, 0, 0]\nfov = 40\n\
+                [materials.m]\ntype = \"lambert\"\nreflectance = 1\ntextures.color = { file = \"t.png\" }\n";
+    let scene = [
+        text.to_owned(),
+        sphere.clone(),
+        sphere + "transform = [{ scale = [1, 2, 1] }]\n",
+        shape("type = \"mesh\"\nfile = \"m.obj\""),
+        shape("type = \"rectangle\"\ncorner = [0, 0, 0]\nu = [1, 0, 0]\nv = [0, 1, 0]"),
+    ];
+    folder.write("scene.toml", scene.concat());
+    let scene = folder.load("scene.toml").expect("a valid scene");
+    let warning = |shape: u32, what: &str| {
+        format!(
+            "shapes[{shape}]: material `m` has textures, and {what} has no texture coordinates: its factors are used"
+        )
+    };
+    let expected = [
+        warning(0, "a sphere"),
+        warning(1, "a sphere"),
+        warning(2, "the mesh"),
+    ];
+    assert_eq!(scene.warnings, expected);
+}

@@ -79,12 +79,16 @@ pub(super) fn all(
             if emission.is_some_and(|e| e.texture.is_some()) {
                 check_coordinates(context, &geometry, &field)?;
             }
+            let name = format!("{name}{}", part.name);
+            let of_shape = &materials[material.index()];
+            let ignored = ignored_textures(of_shape, &geometry, &name);
+            context.warnings.extend(ignored);
             if let Some(group) = group {
                 let id = u32::try_from(shapes.len()).expect("fewer than 2³² shapes");
                 context.light_groups.add_shape(ShapeId(id), group);
             }
             shapes.push(Shape {
-                name: format!("{name}{}", part.name),
+                name,
                 geometry,
                 material,
                 emission,
@@ -118,18 +122,37 @@ fn emission(
     })
 }
 
-/// Whether a texture can be laid over `geometry`.
+/// Why no texture can be laid over `geometry`, where none can.
+fn lacks_coordinates(geometry: &Geometry) -> Option<&'static str> {
+    match geometry {
+        Geometry::Sphere { .. } | Geometry::Ellipsoid { .. } => {
+            Some("a sphere has no texture coordinates")
+        }
+        Geometry::Mesh(mesh) if mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
+        _ => None,
+    }
+}
+
+/// What is left out of a material of the scene file, where no texture can be laid over `geometry`.
+fn ignored_textures(material: &Material, geometry: &Geometry, name: &str) -> Option<String> {
+    let why = lacks_coordinates(geometry)?;
+    let textured = material.texture_uses().next().is_some();
+    textured.then(|| {
+        format!(
+            "{name}: material `{}` has textures, and {why}: its factors are used",
+            material.name
+        )
+    })
+}
+
+/// Refuses a texture of emission that cannot be laid over `geometry`.
 fn check_coordinates(
     context: &Context,
     geometry: &Geometry,
     field: &str,
 ) -> Result<(), InputError> {
-    let problem = match geometry {
-        Geometry::Sphere { .. } | Geometry::Ellipsoid { .. } => {
-            "a sphere has no texture coordinates"
-        }
-        Geometry::Mesh(mesh) if mesh.uvs.is_empty() => "the mesh has no texture coordinates",
-        _ => return Ok(()),
+    let Some(problem) = lacks_coordinates(geometry) else {
+        return Ok(());
     };
     Err(context.error(
         format!("{field}.emission.texture"),
