@@ -57,6 +57,20 @@ fn morph_targets_displace_by_their_weights() {
     }
 }
 
+/// Displaced colours and texture coordinates are told, where a target has a weight.
+#[test]
+fn displacements_that_are_not_read_are_told() {
+    let warnings = |of_mesh: Value| {
+        let mut builder = morphing(Value::Null, of_mesh);
+        builder.json["meshes"][0]["primitives"][0]["targets"][1]["COLOR_0"] = json!(0);
+        builder.scene().warnings
+    };
+    let dark = "the scene has no light: the image will be black";
+    let told = "scene.glb: morph targets displace positions, normals and tangents alone: their COLOR_0 are ignored";
+    assert_eq!(warnings(json!([0, 1])), [told, dark]);
+    assert_eq!(warnings(json!([0, 0])), [dark]);
+}
+
 /// Two nodes show the same mesh in different poses.
 #[test]
 fn a_pose_is_its_node_s_own() {

@@ -32,6 +32,8 @@ pub(super) struct Document {
     pub(super) root: json::Root,
     /// Names of the extensions that its objects carry.
     extensions: BTreeSet<String>,
+    /// What its morph targets displace and nobody reads.
+    pub(super) unread_morphs: BTreeSet<String>,
     /// `None` for a buffer without data of its own.
     buffers: Vec<Option<Vec<u8>>>,
     /// Where the files that it names are looked up.
@@ -43,11 +45,16 @@ impl Document {
     pub(super) fn read(path: &Path, folders: &Folders) -> Result<Self, InputError> {
         let bytes = files::read(path)?;
         let (text, chunk) = container::split(path, &bytes)?;
-        let Parsed { root, extensions } = parse::parse(path, text)?;
+        let Parsed {
+            root,
+            extensions,
+            unread_morphs,
+        } = parse::parse(path, text)?;
         let mut document = Self {
             path: path.to_path_buf(),
             root,
             extensions,
+            unread_morphs,
             buffers: Vec::new(),
             folders: match std::fs::canonicalize(path) {
                 Ok(canonical) => folders.of_included(&canonical),

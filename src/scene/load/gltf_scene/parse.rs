@@ -12,7 +12,12 @@ pub(super) struct Parsed {
     pub(super) root: json::Root,
     /// Names of all extensions that objects of the file carry.
     pub(super) extensions: BTreeSet<String>,
+    /// Attributes beside those of [`MORPHED`] that morph targets displace.
+    pub(super) unread_morphs: BTreeSet<String>,
 }
+
+/// Attributes whose displacements by morph targets are read.
+const MORPHED: [&str; 3] = ["POSITION", "NORMAL", "TANGENT"];
 
 /// Parses the JSON `text` of the file `path`.
 pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Parsed, InputError> {
@@ -25,6 +30,7 @@ pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Parsed, InputError> {
     }
     let mut extensions = BTreeSet::new();
     tidy(&mut value, &mut extensions);
+    let unread_morphs = unread_morphs(&value);
     name_no_nodes(&mut value);
     let root = serde_path_to_error::deserialize(value).map_err(|e| {
         let field = match e.path().to_string() {
@@ -34,7 +40,11 @@ pub(super) fn parse(path: &Path, text: &[u8]) -> Result<Parsed, InputError> {
         let problem = format!("is not a readable glTF: {}", e.inner());
         InputError::new(path, field, problem, "")
     })?;
-    Ok(Parsed { root, extensions })
+    Ok(Parsed {
+        root,
+        extensions,
+        unread_morphs,
+    })
 }
 
 /// `text` in UTF-8, without a byte order mark and without what pads it.
@@ -91,6 +101,22 @@ fn whole(number: &Number) -> Option<i64> {
     let value = number.as_f64().filter(|_| number.is_f64())?;
     let minus_zero = value == 0.0 && value.is_sign_negative();
     (value.fract() == 0.0 && value.abs() < EXACT && !minus_zero).then_some(value as i64)
+}
+
+/// What the morph targets of all meshes displace and nobody reads.
+fn unread_morphs(value: &Value) -> BTreeSet<String> {
+    fn items<'v>(value: &'v Value, key: &str) -> impl Iterator<Item = &'v Value> {
+        value
+            .get(key)
+            .and_then(Value::as_array)
+            .into_iter()
+            .flatten()
+    }
+    let primitives = items(value, "meshes").flat_map(|mesh| items(mesh, "primitives"));
+    let targets = primitives.flat_map(|primitive| items(primitive, "targets"));
+    let names = targets.filter_map(Value::as_object).flat_map(Map::keys);
+    let unread = names.filter(|name| !MORPHED.contains(&name.as_str()));
+    unread.cloned().collect()
 }
 
 /// A scene's `nodes` are optional, and the crate's are not.

@@ -90,7 +90,27 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
         "points and lines",
         "are not rendered",
     );
+    warnings.extend(unread_morphs(document, placed));
     warnings
+}
+
+/// What morph targets displace beside positions, normals and tangents, where any of them has a weight.
+fn unread_morphs(document: &Document, placed: &[Placed]) -> Option<String> {
+    let root = &document.root;
+    let mut of_nodes = placed
+        .iter()
+        .filter_map(|n| root.nodes[n.index].weights.as_ref());
+    let mut of_meshes = root.meshes.iter().filter_map(|m| m.weights.as_ref());
+    let weighs = |weights: &Vec<f32>| weights.iter().any(|w| *w != 0.0);
+    if document.unread_morphs.is_empty() || !(of_nodes.any(weighs) || of_meshes.any(weighs)) {
+        return None;
+    }
+    let names: Vec<&str> = document.unread_morphs.iter().map(String::as_str).collect();
+    Some(format!(
+        "{}: morph targets displace positions, normals and tangents alone: their {} are ignored",
+        document.file_name(),
+        names.join(", ")
+    ))
 }
 
 fn is_of_triangles(primitive: &Primitive) -> bool {
