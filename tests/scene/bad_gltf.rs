@@ -133,8 +133,8 @@ fn wrong_types_and_values() {
     );
     refused(
         "/extensionsRequired",
-        json!(["KHR_draco_mesh_compression", "KHR_lights_punctual"]),
-        "extensionsRequired: the file cannot be shown without KHR_draco_mesh_compression; expected no more than EXT_mesh_gpu_instancing, EXT_texture_webp, KHR_lights_punctual, KHR_materials_emissive_strength, KHR_materials_ior, KHR_materials_pbrSpecularGlossiness, KHR_materials_specular, KHR_materials_transmission, KHR_materials_unlit, KHR_materials_volume, KHR_mesh_quantization, KHR_node_visibility, KHR_texture_transform",
+        json!(["KHR_gaussian_splatting", "KHR_lights_punctual"]),
+        "extensionsRequired: the file cannot be shown without KHR_gaussian_splatting; expected no more than EXT_mesh_gpu_instancing, EXT_texture_webp, KHR_draco_mesh_compression, KHR_lights_punctual, KHR_materials_emissive_strength, KHR_materials_ior, KHR_materials_pbrSpecularGlossiness, KHR_materials_specular, KHR_materials_transmission, KHR_materials_unlit, KHR_materials_volume, KHR_mesh_quantization, KHR_node_visibility, KHR_texture_transform",
     );
     refused(
         "/materials/0",

@@ -11,6 +11,7 @@ mod files;
 mod fuzz;
 mod gltf;
 mod gltf_accessors;
+mod gltf_compressed;
 mod gltf_containers;
 mod gltf_coordinates;
 mod gltf_models;

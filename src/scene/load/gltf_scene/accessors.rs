@@ -150,6 +150,20 @@ fn elements<'a>(
     })?;
     let name = format!("accessors[{index}]");
     let component = checked_types(document, accessor, &name, wanted)?;
+    if let Some(unpacked) = document.draco.unpacked(document, index)? {
+        if unpacked.components != wanted.multiplicity() {
+            let problem = format!("has {} numbers in Draco's mesh", unpacked.components);
+            let expected = format!("{}, {wanted:?}", wanted.multiplicity());
+            return Err(document.error(field, problem, expected));
+        }
+        return Ok(Elements {
+            bytes: Cow::Borrowed(&unpacked.bytes),
+            count: unpacked.count,
+            stride: unpacked.component.size() * unpacked.components,
+            component: unpacked.component,
+            normalized: accessor.normalized,
+        });
+    }
     let size = component.size() * wanted.multiplicity();
     let count = accessor.count.0;
     let base = match accessor.buffer_view {

@@ -1,6 +1,7 @@
 //! The container: JSON, its buffers, and checked access by index.
 
 use super::container;
+use super::draco::DracoMeshes;
 use super::parse::{self, Parsed};
 use super::uri::{self, Uri};
 use crate::error::InputError;
@@ -10,9 +11,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Extensions that are read; all others are named in a warning, or refused where the file requires them.
-pub(super) const SUPPORTED_EXTENSIONS: [&str; 13] = [
+pub(super) const SUPPORTED_EXTENSIONS: [&str; 14] = [
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -36,6 +38,8 @@ pub(super) struct Document {
     pub(super) unread_morphs: BTreeSet<String>,
     /// `None` for a buffer without data of its own.
     buffers: Vec<Option<Vec<u8>>>,
+    /// Meshes that stand for the data of accessors.
+    pub(super) draco: DracoMeshes,
     /// Where the files that it names are looked up.
     folders: Folders,
 }
@@ -56,6 +60,7 @@ impl Document {
             extensions,
             unread_morphs,
             buffers: Vec::new(),
+            draco: DracoMeshes::default(),
             folders: match std::fs::canonicalize(path) {
                 Ok(canonical) => folders.of_included(&canonical),
                 Err(_) => folders.clone(),
@@ -66,6 +71,7 @@ impl Document {
             let data = document.read_buffer(index, chunk)?;
             document.buffers.push(data);
         }
+        document.draco = DracoMeshes::new(&document)?;
         Ok(document)
     }
 

@@ -9,6 +9,7 @@ mod colors;
 mod container;
 mod coordinates;
 mod document;
+mod draco;
 mod instances;
 mod layers;
 mod lights;

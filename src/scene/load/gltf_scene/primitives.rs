@@ -306,12 +306,41 @@ fn triangles(
     };
     let sets = CoordinateSets::of(document, primitive);
     let (uvs, second_uvs) = (coordinates(Some(sets.first))?, coordinates(sets.second)?);
+    Ok(Some(Mesh {
+        triangles: faces(document, primitive, mode, field, count)?,
+        positions,
+        normals,
+        uvs,
+        second_uvs,
+        colors: colors::of_primitive(document, primitive, &attributes, count)?,
+        tangents,
+    }))
+}
+
+/// The vertices of the triangles of a primitive with `count` vertices.
+fn faces(
+    document: &Document,
+    primitive: &Primitive,
+    mode: Mode,
+    field: &str,
+    count: usize,
+) -> Result<Vec<[u32; 3]>, InputError> {
+    if let Some(mesh) = document.draco.of_primitive(document, primitive)? {
+        let corners = &mesh.corners;
+        if let Some(outside) = corners.iter().find(|&&corner| corner as usize >= count) {
+            let problem = format!("vertex {outside} of Draco's mesh is out of range");
+            let expected = format!("an index into the {count} vertices");
+            return Err(document.error(field, problem, expected));
+        }
+        // It is made of triangles, whatever the primitive's mode.
+        return Ok(assemble(corners, Mode::Triangles));
+    }
     let indices_field = format!("{field}.indices");
     let restarts = mode != Mode::Triangles;
     let corners = match primitive.indices {
         Some(a) => accessors::indices(document, a.value(), &indices_field, count, restarts)?,
         None => {
-            let count = u32::try_from(positions.len())
+            let count = u32::try_from(count)
                 .map_err(|_| document.error(field, "has more than 2³² vertices", "fewer"))?;
             (0..count).collect()
         }
@@ -327,15 +356,7 @@ fn triangles(
             "a multiple of 3",
         ));
     }
-    Ok(Some(Mesh {
-        triangles: assemble(&corners, mode),
-        positions,
-        normals,
-        uvs,
-        second_uvs,
-        colors: colors::of_primitive(document, primitive, &attributes, count)?,
-        tangents,
-    }))
+    Ok(assemble(&corners, mode))
 }
 
 /// Refuses an attribute whose count is another than that of the positions.
