@@ -10,11 +10,11 @@ use crate::scene::{Geometry, Material, Mesh, Scene};
 use glam::{DVec2, DVec3, DVec4, Vec4};
 
 /// Words of a triangle's normals and texture coordinates, where it has either.
-const NORMAL_AND_UV_WORDS: usize = 3;
+pub const NORMAL_AND_UV_WORDS: usize = 3;
 /// Words of a triangle's colours, where it has them.
-const COLOR_WORDS: usize = 3;
+pub const COLOR_WORDS: usize = 3;
 /// Words of a triangle's tangents, where it has them.
-const TANGENT_WORDS: usize = 3;
+pub const TANGENT_WORDS: usize = 3;
 
 /// Which attributes a primitive has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,6 +1,6 @@
 //! Structs shared with the shaders. `tests/layout.rs` compares every member with `shaders/types.wesl`.
 
-use crate::accel::MAX_LIGHT_BOXES;
+use crate::accel::{MAX_LIGHT_BOXES, attributes};
 use bytemuck::{Pod, Zeroable};
 
 /// `Frame` of `shaders/types.wesl`: what stays the same for a whole render.
@@ -293,6 +293,12 @@ shared! {
     "scene::fetch" HAS_TANGENTS = 16;
     /// Bits below the first word of a primitive's attributes.
     "scene::fetch" ATTRIBUTE_BITS = 5;
+    /// Words of a triangle's normals and texture coordinates.
+    "scene::attributes" NORMAL_AND_UV_WORDS = attributes::NORMAL_AND_UV_WORDS as u32;
+    /// Words of a triangle's colours.
+    "scene::attributes" COLOR_WORDS = attributes::COLOR_WORDS as u32;
+    /// Words of a triangle's tangents.
+    "scene::attributes" TANGENT_WORDS = attributes::TANGENT_WORDS as u32;
     /// Words of a textured material.
     "scene::textured" TEXTURED_WORDS = 4;
     /// An image again outside of itself.

@@ -6,7 +6,6 @@
 use super::ellipsoid::PrincipalAxes;
 use super::normalize::Normalization;
 use super::{Geometry, Scene};
-use glam::DVec3;
 
 /// Smallest size of a light, normalised space: its coordinates are rounded to 2⁻²⁴ of their distance from the centre.
 const MIN_SIZE: f64 = 1.0 / 268_435_456.0;
@@ -44,9 +43,7 @@ fn enlarged(geometry: &mut Geometry, least: f64) -> f64 {
             of_u * of_v
         }
         Geometry::Mesh(mesh) => {
-            let positions = || mesh.positions.iter();
-            let low = positions().fold(DVec3::INFINITY, |low, p| low.min(*p));
-            let high = positions().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
+            let (low, high) = mesh.bounds().unwrap_or_default();
             let size = (high - low).max_element();
             let of_size = if size > 0.0 { factor(size) } else { 1.0 };
             if of_size > 1.0 {
@@ -72,6 +69,7 @@ fn enlarged(geometry: &mut Geometry, least: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     #[test]
     fn the_power_of_a_tiny_light_stays() {

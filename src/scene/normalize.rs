@@ -168,10 +168,9 @@ pub fn bounds<'a>(shapes: impl IntoIterator<Item = &'a Shape>) -> Option<(DVec3,
                 add(center + half);
             }
             Geometry::Mesh(mesh) => {
-                for triangle in &mesh.triangles {
-                    for &i in triangle {
-                        add(mesh.positions[i as usize]);
-                    }
+                if let Some((low, high)) = mesh.bounds() {
+                    add(low);
+                    add(high);
                 }
             }
         }

@@ -116,6 +116,18 @@ pub struct Mesh {
     pub tangents: Vec<DVec4>,
 }
 
+impl Mesh {
+    /// The axis-parallel box around its triangles; `None` where there is none.
+    pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
+        let corners = self.triangles.iter().flatten();
+        let corners = corners.map(|&i| self.positions[i as usize]);
+        corners.fold(None, |bounds, p| {
+            let (low, high) = bounds.unwrap_or((p, p));
+            Some((low.min(p), high.max(p)))
+        })
+    }
+}
+
 /// What a surface emits, the same in all directions of its emitting sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Emission {

@@ -126,3 +126,18 @@ fn bad_draco_meshes_are_named() {
         );
     }
 }
+
+/// Every bit turned: a mesh that is damaged is refused in words, or read as another mesh.
+#[test]
+fn damaged_draco_meshes_are_survived() {
+    for text in GRIDS {
+        let bytes = decoded(text);
+        let mut refused = 0;
+        for bit in 0..8 * bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            refused += usize::from(grid(&damaged).load().is_err());
+        }
+        assert!(refused > bytes.len() / 8, "{refused} were refused");
+    }
+}

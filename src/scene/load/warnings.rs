@@ -129,10 +129,8 @@ fn size(geometry: &Geometry) -> f64 {
         Geometry::Sphere { radius, .. } => 2.0 * radius,
         Geometry::Ellipsoid { axes, .. } => 2.0 * half_extent(*axes).max_element(),
         Geometry::Mesh(mesh) => {
-            let positions = || mesh.positions.iter();
-            let low = positions().fold(DVec3::INFINITY, |low, p| low.min(*p));
-            let high = positions().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p));
-            (high - low).max_element().max(0.0)
+            let (low, high) = mesh.bounds().unwrap_or_default();
+            (high - low).max_element()
         }
     }
 }
