@@ -16,7 +16,7 @@ const RUNS: u64 = 500;
 /// Runs at a time.
 const THREADS: u64 = 2;
 /// After which no further run begins.
-const LIMIT: Duration = Duration::from_secs(60);
+const LIMIT: Duration = Duration::from_secs(25);
 
 /// A way of handling a run.
 type Way = fn(&mut Bench<'_>);
