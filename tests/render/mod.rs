@@ -16,6 +16,7 @@ mod random_polygons;
 pub mod second_uvs;
 mod shadow_rays;
 mod strategies;
+mod tangents;
 mod test_scenes;
 mod twin;
 mod variance;
