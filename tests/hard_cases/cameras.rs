@@ -2,8 +2,11 @@
 
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
-use crate::support::{context, floor_pixel, point_light, render};
-use direkt::scene::{Camera, FilmSize};
+use crate::support::statistics::accept;
+use crate::support::{context, floor_pixel, point_light, prepared, render};
+use direkt::effects::Effect;
+use direkt::scene::{Camera, FilmSize, Projection, Scene};
+use direkt::stats::z_test::z_test;
 use glam::{DMat3, DVec3};
 
 /// How far columns are from orthonormal: the largest element of MᵀM − 1.
@@ -72,5 +75,42 @@ fn narrow_and_wide_views_are_finite() {
         assert_eq!(film.ledger.dropped, 0, "{degrees}°");
         assert!(film.pixels.iter().all(|p| p.mean[0].is_finite()));
         assert!(film.pixels[40].mean[0] > 0.0, "{degrees}°");
+    }
+}
+
+/// From 10⁵ and 10⁷ sizes of the scene away, through a narrow view, a floor under a point light is the orthographic image.
+///
+/// Rays begin a 65,536th of the distance before the floor, where f32 has them off by 2⁻²⁴ of that: at 10⁷ by 10⁻⁵ of the
+/// light's height, and the light's falloff changes by less than ten times as much.
+#[test]
+fn distant_cameras_see_what_parallel_rays_see() {
+    let context = context();
+    let mut scene = floor_pixel();
+    scene.lights = vec![point_light(DVec3::new(0.3, 0.2, 1.0), 4.0)];
+    scene.film = FilmSize {
+        width: 8,
+        height: 8,
+    };
+    scene.render.spp = 1 << 10;
+    let from = |distance: f64, scene: &Scene| {
+        let mut scene = scene.clone();
+        let eye = DVec3::new(0.0, 0.0, distance);
+        let fov = 2.0 * (1.0 / distance).atan();
+        scene.camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, fov).unwrap();
+        scene
+    };
+    let mut parallel = from(4.0, &scene);
+    parallel.camera.projection = Projection::Orthographic { height: 2.0 };
+    let parallel = render(&context, parallel);
+    for distance in [1e5_f64, 1e7] {
+        let distant = from(distance, &scene);
+        let effects = prepared(distant.clone()).effects;
+        assert!(effects.contains(Effect::DistantCamera), "{distance:e}");
+        let film = render(&context, distant);
+        for (i, (far, near)) in film.pixels.iter().zip(&parallel.pixels).enumerate() {
+            let variance = far.variance_of_mean().unwrap()[0] + near.variance_of_mean().unwrap()[0];
+            let test = z_test(far.mean[0], near.mean[0], variance, 1e-4 * near.mean[0]);
+            accept(test.p_value, &format!("{distance:e}, pixel {i}"));
+        }
     }
 }
