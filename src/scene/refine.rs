@@ -104,7 +104,11 @@ struct Cut {
 }
 
 impl Cut {
-    fn new(mesh: Mesh, disk: Option<Disk>) -> Self {
+    fn new(mut mesh: Mesh, disk: Option<Disk>) -> Self {
+        // Between them they are interpolated as unit vectors, and what comes of it is not normalised before the last.
+        for normal in &mut mesh.normals {
+            *normal = normal.normalize_or_zero();
+        }
         let mut first = HashMap::new();
         let place = (0..).zip(&mesh.positions);
         let place = place.map(|(i, p)| *first.entry(p.to_array().map(f64::to_bits)).or_insert(i));
@@ -193,8 +197,7 @@ impl Mesh {
         let index = positions.len() as u32;
         positions.push(0.5 * (positions[a] + positions[b]));
         if !normals.is_empty() {
-            let [from, to] = [a, b].map(|i| normals[i].normalize_or_zero());
-            normals.push(0.5 * (from + to));
+            normals.push(0.5 * (normals[a] + normals[b]));
         }
         for uvs in [uvs, second_uvs] {
             if !uvs.is_empty() {
