@@ -4,6 +4,7 @@ mod accumulation;
 mod cameras;
 mod corner;
 mod device;
+mod extreme;
 mod hierarchy;
 mod horizon;
 mod input;

@@ -106,8 +106,8 @@ impl Bvh {
     /// Adds a node with the boxes of its children, at `depth`; returns its index.
     fn open_node(&mut self, depth: usize, children: [&Aabb; 2]) -> usize {
         self.depth = self.depth.max(depth + 1);
-        let [first_box, second_box] = children
-            .map(|b| [0, 1, 2].map(|axis| self.grid.axis_word(axis, b.min[axis], b.max[axis])));
+        let [first_box, second_box] =
+            children.map(|b| self.grid.box_words(b.min.into(), b.max.into()));
         self.nodes.push(Node {
             first_box,
             first: 0,

@@ -9,6 +9,8 @@ const CELLS: f64 = 65_535.0;
 const PADDING: f64 = 0.0625;
 /// On the logarithmic grid they grow by this part of their distance from the centre: more than the slab test's rounding.
 const RELATIVE_PADDING: f64 = 1.0 / 2048.0;
+/// And by this part of the box's largest coordinate: a primitive so far away is met within as much beside itself.
+const FAR_PADDING: f64 = 1.0 / 1_048_576.0;
 /// And by this part of the radius within which rays begin that the camera can tell from others.
 const NEAR_PADDING: f64 = 1.0 / 16_384.0;
 /// The word of a plane is the upper half of an f32 without the exponent's two highest bits, which are 01: those of its
@@ -68,31 +70,44 @@ impl Grid {
     }
 
     /// The words of a box of normalised space, as a node has them, with a cell of margin.
-    pub fn box_words(&self, low: DVec3, high: DVec3) -> [u32; 3] {
+    pub fn box_words_with_margin(&self, low: DVec3, high: DVec3) -> [u32; 3] {
         let cell = if self.logarithmic {
             DVec3::ZERO
         } else {
             DVec3::ONE / self.scale.as_dvec3()
         };
-        let (low, high) = ((low - cell).as_vec3(), (high + cell).as_vec3());
-        [0, 1, 2].map(|axis| self.axis_word(axis, low[axis], high[axis]))
+        self.box_words((low - cell).as_vec3(), (high + cell).as_vec3())
     }
 
-    /// The planes of a box along an axis, moved outwards: the lower one in the low half.
-    pub fn axis_word(&self, axis: usize, low: f32, high: f32) -> u32 {
-        let cell =
-            |x: f32| (f64::from(x) - f64::from(self.origin[axis])) * f64::from(self.scale[axis]);
-        let (low, high) = (cell(low), cell(high));
-        if self.logarithmic {
-            let padding = |x: f64| RELATIVE_PADDING * x.abs() + self.padding;
-            let high = plane_above(high + padding(high));
-            // The plane below x is that above −x, on the other side.
-            return (plane_above(padding(low) - low) ^ NEGATIVE) | high << 16;
-        }
-        let low = (low - PADDING).floor().clamp(0.0, CELLS) as u32;
-        let high = (high + PADDING).ceil().clamp(0.0, CELLS) as u32;
-        low | high << 16
+    /// The words of a box of normalised space, as a node has them: the planes of an axis each, moved outwards, the lower one in
+    /// the low half.
+    pub fn box_words(&self, low: Vec3, high: Vec3) -> [u32; 3] {
+        let [origin, scale] = [self.origin, self.scale].map(|v| v.as_dvec3());
+        let [low, high] = [low, high].map(|p| (p.as_dvec3() - origin) * scale);
+        let reach = low.abs().max(high.abs()).max_element();
+        [0, 1, 2].map(|axis| {
+            if self.logarithmic {
+                self.logarithmic_word(low[axis], high[axis], reach)
+            } else {
+                even_word(low[axis], high[axis])
+            }
+        })
     }
+
+    /// That of an axis on a logarithmic grid, for a box with coordinates up to `reach`.
+    fn logarithmic_word(&self, low: f64, high: f64, reach: f64) -> u32 {
+        let of_box = FAR_PADDING * reach + self.padding;
+        let padding = |x: f64| RELATIVE_PADDING * x.abs() + of_box;
+        let high = plane_above(high + padding(high));
+        // The plane below x is that above −x, on the other side.
+        (plane_above(padding(low) - low) ^ NEGATIVE) | high << 16
+    }
+}
+
+fn even_word(low: f64, high: f64) -> u32 {
+    let low = (low - PADDING).floor().clamp(0.0, CELLS) as u32;
+    let high = (high + PADDING).ceil().clamp(0.0, CELLS) as u32;
+    low | high << 16
 }
 
 /// The word of the lowest plane of the logarithmic grid that is not below `x`.

@@ -19,7 +19,7 @@ pub fn light_boxes(bvh: &Bvh, mut emitting: Vec<Box3>) -> Vec<[u32; 3]> {
     cluster(&mut emitting, MAX_LIGHT_BOXES, &mut around);
     let words = around
         .iter()
-        .map(|&(low, high)| bvh.grid.box_words(low, high));
+        .map(|&(low, high)| bvh.grid.box_words_with_margin(low, high));
     words.collect()
 }
 

@@ -300,7 +300,8 @@ fn triangles_of_every_size_are_hit_as_in_brute_force() {
         all.push(triangle(a, a + u, a + u));
     }
     // One that sees all of them: the hierarchy of an extreme scene is another.
-    let camera = Camera::look_at(DVec3::Z * 4e6, DVec3::ZERO, DVec3::Y, 60.0).unwrap();
+    let camera =
+        Camera::look_at(DVec3::Z * 4e6, DVec3::ZERO, DVec3::Y, 60_f64.to_radians()).unwrap();
     let prepared = meshes_before(camera, all);
     let rays: Vec<_> = (0..20_000)
         .map(|i| {
