@@ -5,6 +5,7 @@ mod cameras;
 mod corner;
 mod device;
 mod extreme;
+pub(crate) mod extreme_scenes;
 mod hierarchy;
 mod horizon;
 mod input;

@@ -1,12 +1,15 @@
 //! Every scene, and every strategy on scenes that differ in how they are lit.
 
 use super::compared;
+use crate::hard_cases::extreme_scenes::room;
 use crate::support::{
-    KINDS_OF_STRATEGIES, STRATEGIES, own_scenes, scene, scenes_of_lights, shared, statistics,
+    KINDS_OF_STRATEGIES, STRATEGIES, emitter, own_scenes, scene, scenes_of_lights, shared,
+    statistics,
 };
 use direkt::compare::Comparison;
 use direkt::scene::load::{LoadOptions, load};
-use direkt::scene::{LightSelection, Sampler, ShadowPattern, Strategy};
+use direkt::scene::{Geometry, LightSelection, Sampler, ShadowPattern, Strategy};
+use glam::DVec3;
 
 /// What rests on chance is counted in the suite's family: the worst pixel by Bonferroni, and each channel's mean.
 fn assert_agrees(comparison: &Comparison, what: &str) {
@@ -108,6 +111,19 @@ fn gpu_and_reference_agree_with_a_light_tree() {
             assert_agrees(&comparison, &what);
         }
     }
+}
+
+/// A floor of 2·10⁸ under a lamp of side 2, and a ball 10⁸ away that shines: the reference has no f32 to lose.
+#[test]
+fn gpu_and_reference_agree_on_an_extreme_scene() {
+    let mut scene = room(1e8);
+    let ball = Geometry::Sphere {
+        center: DVec3::new(5e7, 5e7, 1e8),
+        radius: 2e7,
+    };
+    scene.shapes.push(emitter(ball, 3.0, false));
+    let comparison = compared(&scene, Strategy::MisPower, (1 << 10, 64), None);
+    assert_agrees(&comparison, "an extreme scene");
 }
 
 #[test]
