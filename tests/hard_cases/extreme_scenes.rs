@@ -2,7 +2,8 @@
 
 use crate::support::every_kind::constant_environment;
 use crate::support::{
-    assert_pixel, context, emitter, floor_pixel, lambert, prepared, render, shape, statistics,
+    KINDS_OF_STRATEGIES, assert_pixel, context, emitter, floor_pixel, lambert, prepared, render,
+    render_prepared, shape, statistics,
 };
 use direkt::gpu::Context;
 use direkt::render::Film;
@@ -13,6 +14,7 @@ use direkt::scene::{
 };
 use direkt::stats::z_test::z_test;
 use glam::{DAffine2, DVec2, DVec3};
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 /// What lies far away.
 const FAR: f64 = 1e8;
@@ -32,7 +34,7 @@ fn assert_extreme(context: &Context, scene: Scene, expected: f64, what: &str) {
     let prepared = prepared(scene);
     assert!(prepared.normalization.is_extreme(), "{what}");
     assert_eq!(prepared.scene.warnings, [""; 0], "{what}");
-    let film = crate::support::render_prepared(context, &prepared);
+    let film = render_prepared(context, &prepared);
     assert_pixel(&film, expected, what);
 }
 
@@ -108,6 +110,31 @@ fn a_lamp_far_away_shines_before_every_camera() {
         let mut film = render(&context, scene);
         film.pixels = vec![film.pixels[film.pixels.len() / 2]];
         assert_pixel(&film, expected, &format!("{what} rays"));
+    }
+}
+
+/// A sphere before a disk before a square whose half side is its height, all equally bright: the floor sees what it would see
+/// of the square, of which each hides a part (Lambert's formula, with atan(1/√2)).
+#[test]
+fn far_lamps_of_every_shape_shine_under_every_kind_of_strategy() {
+    let context = context();
+    let disk = Geometry::Disk {
+        center: DVec3::Z * (2.0 * FAR),
+        u: DVec3::Y * (1.2 * FAR),
+        v: DVec3::X * (1.2 * FAR),
+    };
+    let square = Geometry::Rectangle {
+        corner: DVec3::new(-4.0, -4.0, 4.0) * FAR,
+        u: DVec3::Y * (8.0 * FAR),
+        v: DVec3::X * (8.0 * FAR),
+    };
+    let lamps = [disk, square].map(|lamp| emitter(lamp, RADIANCE, false));
+    let of_square = 4.0 / PI * FRAC_1_SQRT_2 * FRAC_1_SQRT_2.atan();
+    for strategy in KINDS_OF_STRATEGIES {
+        let mut scene = floor_and([vec![lamp()], lamps.to_vec()].concat());
+        scene.render.strategy = strategy;
+        let expected = 0.5 * RADIANCE * of_square;
+        assert_extreme(&context, scene, expected, &format!("{strategy}"));
     }
 }
 
