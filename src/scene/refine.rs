@@ -22,15 +22,26 @@ const RESOLUTION: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// Replaces shapes of `scene` by finer meshes of the same points, where `normalization` calls for it. Spheres stay.
 pub fn refine(scene: &mut Scene, normalization: &Normalization) {
-    let near = Near {
-        center: normalization.center,
-        radius: normalization.radius / normalization.scale,
-    };
+    let near = Near::of(normalization);
     for shape in &mut scene.shapes {
         if let Some(mesh) = near.refined(&shape.geometry) {
             shape.geometry = Geometry::Mesh(mesh);
         }
     }
+}
+
+/// Names of the shapes of `scene` of which parts stay too coarse, as cutting them would take too many triangles.
+pub fn coarse_shapes<'a>(scene: &'a Scene, normalization: &Normalization) -> Vec<&'a str> {
+    let near = Near::of(normalization);
+    let is_coarse = |geometry: &Geometry| {
+        let refined = near.refined(geometry);
+        refined.is_some_and(|mesh| near.is_coarse_anywhere(&mesh))
+    };
+    let coarse = scene
+        .shapes
+        .iter()
+        .filter(|shape| is_coarse(&shape.geometry));
+    coarse.map(|shape| shape.field()).collect()
 }
 
 /// What has to be fine: lengths beside the distance from the centre, and none below the radius.
@@ -40,6 +51,13 @@ struct Near {
 }
 
 impl Near {
+    fn of(normalization: &Normalization) -> Self {
+        Self {
+            center: normalization.center,
+            radius: normalization.radius / normalization.scale,
+        }
+    }
+
     /// `geometry` cut; `None` where that is not needed.
     fn refined(&self, geometry: &Geometry) -> Option<Mesh> {
         let (mesh, disk) = match geometry {

@@ -63,8 +63,13 @@ fn waves() -> Scene {
         [[a, a + 1, above + 1], [a, above + 1, above]]
     });
     let mut scene = floor_pixel();
-    scene.camera =
-        Camera::look_at(DVec3::new(0.0, -1.0, 0.8), DVec3::ZERO, DVec3::Z, 50.0).unwrap();
+    scene.camera = Camera::look_at(
+        DVec3::new(0.0, -1.0, 0.8),
+        DVec3::ZERO,
+        DVec3::Z,
+        50_f64.to_radians(),
+    )
+    .unwrap();
     scene.film = FilmSize {
         width: 48,
         height: 32,

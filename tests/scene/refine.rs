@@ -1,5 +1,6 @@
 //! Large shapes of extreme scenes are cut: into the same points with the same attributes.
 
+use super::files::Folder;
 use crate::support::{floor_pixel, shape};
 use direkt::scene::normalize::Normalization;
 use direkt::scene::refine::refine;
@@ -175,4 +176,27 @@ fn a_cut_disk_is_the_same_disk() {
             }
         }
     }
+}
+
+/// A pile of large triangles, too many to cut all of them, is named.
+#[test]
+fn what_stays_coarse_is_named() {
+    let pile = |layers: u32| {
+        let layer =
+            |i: u32| format!("v -1e8 -1e8 -{i}\nv 1e8 -1e8 -{i}\nv 0 1e8 -{i}\nf -3 -2 -1\n");
+        let folder = Folder::new();
+        folder.write("pile.obj", (0..layers).map(layer).collect::<String>());
+        let text = "[environment]\nradiance = 1\n[camera]\neye = [0, 0, 3]\ntarget = [0, 0, 0]\nup = [0, 1, 0]\nfov = 40\n\
+                    [[shapes]]\ntype = \"mesh\"\nfile = \"pile.obj\"\n";
+        folder.write("scene.toml", text);
+        folder.load("scene.toml").expect("a valid scene").warnings
+    };
+    assert_eq!(pile(3), [""; 0]);
+    let warnings = pile(2000);
+    assert_eq!(warnings.len(), 1);
+    assert!(
+        warnings[0].starts_with("shapes[0]: too many of its triangles are large"),
+        "{}",
+        warnings[0]
+    );
 }

@@ -2,6 +2,7 @@
 
 use crate::scene::ellipsoid::half_extent;
 use crate::scene::normalize::Normalization;
+use crate::scene::refine::coarse_shapes;
 use crate::scene::{Bsdf, EnvironmentRadiance, Geometry, Light, Scene, Shape};
 use glam::DVec3;
 
@@ -17,6 +18,7 @@ pub(super) fn general(scene: &Scene) -> Vec<String> {
     let mut warnings = Vec::new();
     warnings.extend(darkness(scene, &normalization));
     warnings.extend(coarse_spheres(scene, &normalization));
+    warnings.extend(coarse_meshes(scene, &normalization));
     warnings.extend(far_from_origin(scene, &normalization));
     warnings.extend(empty_meshes(scene));
     warnings
@@ -159,6 +161,17 @@ fn coarse_spheres(scene: &Scene, normalization: &Normalization) -> Vec<String> {
         })
     });
     spheres.collect()
+}
+
+/// Meshes of an extreme scene with too many large triangles to cut all of them.
+fn coarse_meshes(scene: &Scene, normalization: &Normalization) -> Option<String> {
+    let extreme = normalization.is_extreme();
+    let coarse = extreme.then(|| coarse_shapes(scene, normalization));
+    let names = coarse.filter(|names| !names.is_empty())?.join(", ");
+    Some(format!(
+        "{names}: too many of its triangles are large beside their distance from what is in view, which 32-bit coordinates do not \
+         resolve: light and shadows near them may be wrong; smaller triangles are needed there"
+    ))
 }
 
 /// Where f64 has too few digits for what is in view.
