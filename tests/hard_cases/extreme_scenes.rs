@@ -9,8 +9,8 @@ use direkt::gpu::Context;
 use direkt::render::Film;
 use direkt::scene::light::Interpolation;
 use direkt::scene::{
-    Camera, EnvironmentRadiance, FilmSize, Geometry, Mesh, Projection, Scene, Shape, Texels,
-    Texture, TextureId, TextureUse, Wrap,
+    Camera, EnvironmentRadiance, FilmSize, Geometry, Mesh, Projection, Scene, Shape, Strategy,
+    Texels, Texture, TextureId, TextureUse, Wrap,
 };
 use direkt::stats::z_test::z_test;
 use glam::{DAffine2, DVec2, DVec3};
@@ -135,6 +135,32 @@ fn far_lamps_of_every_shape_shine_under_every_kind_of_strategy() {
         scene.render.strategy = strategy;
         let expected = 0.5 * RADIANCE * of_square;
         assert_extreme(&context, scene, expected, &format!("{strategy}"));
+    }
+}
+
+/// A square of two triangles, 4 away from its middle in units of up to 10¹², by its solid angle: products of eight of its lengths
+/// are no numbers of f32 there.
+#[test]
+fn far_triangles_shine_when_sampled_by_solid_angle() {
+    let context = context();
+    let of_square = 4.0 / PI * FRAC_1_SQRT_2 * FRAC_1_SQRT_2.atan();
+    let corners = [[-4.0, -4.0], [-4.0, 4.0], [4.0, 4.0], [4.0, -4.0]];
+    for far in [1e6, 1e12] {
+        let corner = |[x, y]: [f64; 2]| DVec3::new(x, y, 4.0) * far;
+        let square = Geometry::Mesh(Mesh {
+            positions: corners.map(corner).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        });
+        for strategy in [
+            Strategy::LightSolidAngle,
+            Strategy::LightProjectedSolidAngle,
+        ] {
+            let mut scene = floor_and(vec![emitter(square.clone(), RADIANCE, false)]);
+            scene.render.strategy = strategy;
+            let expected = 0.5 * RADIANCE * of_square;
+            assert_extreme(&context, scene, expected, &format!("{far:e}, {strategy}"));
+        }
     }
 }
 

@@ -29,32 +29,39 @@ impl Libraries {
         folders: &Folders,
         warnings: &mut Vec<String>,
     ) -> Result<Self, InputError> {
-        let folders = folders.of_included(path);
         let mut libraries = Self::default();
-        for line in &obj.libraries {
-            // One name with spaces, or several names.
-            let whole = find(&folders, line, path, "mtllib");
-            let found = match whole {
-                Ok(file) => vec![Ok(file)],
-                Err(error) => {
-                    let words: Vec<&str> = line.split_whitespace().collect();
-                    match words.as_slice() {
-                        [_] => vec![Err(error)],
-                        several => several
-                            .iter()
-                            .map(|word| find(&folders, word, path, "mtllib"))
-                            .collect(),
-                    }
-                }
-            };
-            for file in found {
-                match file {
-                    Ok(file) => libraries.add(&file)?,
-                    Err(error) => warnings.push(format!("{error}; its materials are left out")),
-                }
+        for file in Self::files(obj, path, folders) {
+            match file {
+                Ok(file) => libraries.add(&file, folders)?,
+                Err(error) => warnings.push(format!("{error}; its materials are left out")),
             }
         }
         Ok(libraries)
+    }
+
+    /// The libraries that `obj`, the file `path`, names.
+    pub(super) fn files(
+        obj: &ObjFile,
+        path: &Path,
+        folders: &Folders,
+    ) -> Vec<Result<PathBuf, InputError>> {
+        let folders = folders.of_included(path);
+        let of_line = |line: &String| {
+            // One name with spaces, or several names.
+            let error = match find(&folders, line, path, "mtllib") {
+                Ok(file) => return vec![Ok(file)],
+                Err(error) => error,
+            };
+            let words: Vec<&str> = line.split_whitespace().collect();
+            match words.as_slice() {
+                [_] => vec![Err(error)],
+                several => several
+                    .iter()
+                    .map(|word| find(&folders, word, path, "mtllib"))
+                    .collect(),
+            }
+        };
+        obj.libraries.iter().flat_map(of_line).collect()
     }
 
     /// Whether no library with a material was found.
@@ -62,12 +69,14 @@ impl Libraries {
         self.materials.is_empty()
     }
 
-    fn add(&mut self, file: &Path) -> Result<(), InputError> {
+    fn add(&mut self, file: &Path, folders: &Folders) -> Result<(), InputError> {
+        let folders = folders.of_included(file);
         let bytes = files::read(file)?;
         let clean = clean::clean(file, &text::decode(&bytes))?;
         let (materials, _) = tobj::load_mtl_buf(&mut clean.as_bytes())
             .map_err(|e| InputError::file(file, format!("is not a readable MTL file: {e}"), ""))?;
         for material in materials {
+            convert::look_up_maps(&material, file, &folders);
             let (name, entry) = (material.name.clone(), (material, file.to_path_buf()));
             // Of several of one name the first counts.
             self.materials.entry(name).or_insert(entry);

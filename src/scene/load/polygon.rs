@@ -7,8 +7,9 @@ use super::transform;
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
-/// Part of the squared extent by which a fan's triangle may be turned over: what rounding to f32 makes of corners on a line.
-const TURNED_OVER: f64 = 1e-7;
+/// Distance, in extents of the polygon, by which a corner may lie on the wrong side of a line: what rounding to f32 makes of
+/// corners on a line.
+const ROUNDING: f64 = 4.0 / 16_777_216.0;
 /// Part of a polygon's area that its triangles may differ from it by.
 const AREA_TOLERANCE: f64 = 1e-6;
 
@@ -143,9 +144,14 @@ fn project(points: &[DVec3]) -> Option<Vec<DVec2>> {
     }
 }
 
-/// Whether a fan from the first point covers the polygon and nothing twice: no triangle of it is turned over.
+/// Whether a fan from the first point covers the polygon and nothing twice: no triangle of it is turned over, by more than its
+/// corners' rounding.
 fn fan_covers(plane: &[DVec2]) -> bool {
-    fan(plane).all(|t| area(t.map(|i| plane[i])) >= -TURNED_OVER)
+    fan(plane).all(|t| {
+        let [a, b, c] = t.map(|i| plane[i]);
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        area([a, b, c]) >= -ROUNDING * longest
+    })
 }
 
 /// The point from which on the polygon is cut, whichever point comes first: the least of the sequences that begin at a point.

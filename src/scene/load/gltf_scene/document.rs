@@ -71,6 +71,7 @@ impl Document {
             let data = document.read_buffer(index, chunk)?;
             document.buffers.push(data);
         }
+        document.look_up_images();
         document.draco = DracoMeshes::new(&document)?;
         Ok(document)
     }
@@ -240,6 +241,16 @@ impl Document {
         }
         data.truncate(length);
         Ok(Some(data))
+    }
+
+    /// Looks up the images, so that they count as the scene's files whether they are shown or not.
+    fn look_up_images(&self) {
+        let uris = self.root.images.iter().filter_map(|i| i.uri.as_deref());
+        for uri in uris.filter(|uri| matches!(uri::kind(uri), Uri::Name)) {
+            let mut names = uri::file_names(uri).into_iter();
+            // What is missing is told where it is shown.
+            let _ = names.find_map(|name| self.folders.resolve(&name, &self.path, "images").ok());
+        }
     }
 
     fn read_uri(&self, uri: &str, field: &str) -> Result<Vec<u8>, InputError> {

@@ -30,6 +30,23 @@ pub(super) struct Converter<'a> {
     pub(super) warnings: &'a mut Vec<String>,
 }
 
+/// Looks up the maps that `material` of `file` names, so that they count as the scene's files whether they are shown or not.
+pub(super) fn look_up_maps(material: &tobj::Material, file: &Path, folders: &Folders) {
+    let known = [
+        &material.ambient_texture,
+        &material.diffuse_texture,
+        &material.specular_texture,
+        &material.normal_texture,
+        &material.shininess_texture,
+        &material.dissolve_texture,
+    ];
+    let known = known.into_iter().flatten();
+    for map in known.chain(material.unknown_param.values()) {
+        // What is no name of a file is not found.
+        let _ = find(folders, Map::parse(map).name, file, "map");
+    }
+}
+
 impl Converter<'_> {
     /// `from` as a material of direkt, and what it emits.
     pub(super) fn convert(&mut self, from: &tobj::Material) -> (Material, Option<Emission>) {

@@ -302,3 +302,37 @@ fn faces_that_are_no_simple_polygons_are_counted() {
     let not_finite = [DVec3::ZERO, DVec3::X, DVec3::NAN, DVec3::Y];
     assert_eq!(cut(&not_finite).0.len(), 2);
 }
+
+/// A notch in the lower edge of a square, whatever its size and whichever corner comes first: what lies in it is not covered.
+#[test]
+fn notches_of_every_size_are_kept() {
+    for size in [0.1, 1e-3, 1e-4, 1e-5] {
+        let square = flat(&[
+            [-size, 0.0],
+            [0.0, size],
+            [size, 0.0],
+            [1.0, 0.0],
+            [1.0, 2.0],
+            [-1.0, 2.0],
+            [-1.0, 0.0],
+        ]);
+        for by in 0..square.len() {
+            let points = rotated(&square, by);
+            let (triangles, triangulator) = cut(&points);
+            assert_eq!(triangulator.warnings("it"), [""; 0]);
+            for (x, y, expected) in [
+                (0.01, 0.4, 0),
+                (0.01, 1.1, 1),
+                (-0.6, 0.2, 0),
+                (-0.9, 0.3, 1),
+            ] {
+                let at = size * DVec2::new(x, y);
+                assert_eq!(
+                    covers(&points, &triangles, at),
+                    expected,
+                    "{size}, {by}, {at}"
+                );
+            }
+        }
+    }
+}

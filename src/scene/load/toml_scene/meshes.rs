@@ -95,6 +95,8 @@ fn obj_parts(
 ) -> Result<Vec<Part>, InputError> {
     let warnings = &mut context.warnings;
     if !surfaces.by_file && !obj.libraries.is_empty() {
+        // They are the scene's files all the same, which nothing may overwrite.
+        let _ = Libraries::files(obj, file, context.folders);
         warnings.push(format!(
             "{}: material libraries (mtllib) are ignored: a shape has the material that the scene file names",
             file.display()
