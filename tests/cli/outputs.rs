@@ -111,13 +111,14 @@ fn what_is_read_is_never_written() {
     copy("scenes/tests/texels_2x1.png", "texture.png");
     copy("scenes/tests/emissive_triangle.obj", "mesh.obj");
     copy("scenes/tests/texels_4x4.png", "of_gltf.png");
+    copy("scenes/tests/texels_4x4.png", "unused.png");
     let floats = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_le_bytes()).collect();
     std::fs::write(at("data.bin"), bytes).unwrap();
     let model = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
         "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]}],
         "materials":[{"emissiveTexture":{"index":0},"emissiveFactor":[1,1,1]}],
-        "textures":[{"source":0}],"images":[{"uri":"of_gltf.png"}],
+        "textures":[{"source":0}],"images":[{"uri":"of_gltf.png"},{"uri":"unused.png"}],
         "buffers":[{"byteLength":36,"uri":"data.bin"}],"bufferViews":[{"buffer":0,"byteLength":36}],
         "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}]}"#;
     std::fs::write(at("model.gltf"), model).unwrap();
@@ -133,6 +134,7 @@ fn what_is_read_is_never_written() {
         "model.gltf",
         "data.bin",
         "of_gltf.png",
+        "unused.png",
     ];
     let mut named: Vec<(String, &str)> = Vec::new();
     for input in inputs {

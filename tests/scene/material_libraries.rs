@@ -2,9 +2,11 @@
 
 use super::files::Folder;
 use super::textures::png;
+use direkt::scene::load::{LoadOptions, load_with_files};
 use direkt::scene::material::DielectricLayer;
 use direkt::scene::{Bsdf, Geometry, Scene};
 use glam::DVec3;
+use std::path::PathBuf;
 
 const OBJ: &str = "mtllib sub\\paint.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nf 1 2 3\nusemtl red\nf 1/1 3/3 4/2\nusemtl glass # clear\nf 1 2 4\nusemtl red\nf 1/1 2/2 4/3\n";
 const MTL: &str = "# paint\nnewmtl red\nKa 1 1 1\nKd 0.8 0.1 0.1\nmap_Kd -s 2 2 2 wood.png\nillum 1\nKs 1 1 1\nnewmtl glass\nillum 7\nNi 1.7\nTf 0.5 0.6 0.7\nd 0.1\nnewmtl lamp\nKe 3\nKd 0\n";
@@ -183,4 +185,33 @@ fn what_a_library_lacks_is_named() {
         folder.load("scene.toml").expect_err("it must be refused"),
         "DIR/models/sub/paint.mtl: line 2: is `Kd 1 2`; expected `Kd` and three numbers, or one"
     );
+}
+
+/// Files that are named and not shown count as the scene's all the same, so that nothing overwrites them.
+#[test]
+fn maps_that_are_not_shown_are_files_of_the_scene() {
+    let mtl = "newmtl red\nKd 1 1 1\nmap_Ks shiny.png\nmap_bump -bm 0.5 rough.png\ndisp high.png\nnewmtl unused\nmap_Kd wood.png\n";
+    let folder = folder(OBJ, mtl);
+    for name in ["shiny.png", "rough.png", "high.png"] {
+        folder.write(&format!("models/sub/{name}"), png(&[[1, 2, 3]]));
+    }
+    let files = |keys: &str| {
+        load(&folder, keys);
+        let (scene, files) = load_with_files(&folder.path("scene.toml"), &LoadOptions::default());
+        assert!(scene.is_ok());
+        let name = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().to_owned();
+        files.iter().map(name).collect::<Vec<String>>()
+    };
+    let all = files("");
+    for name in [
+        "paint.mtl",
+        "shiny.png",
+        "rough.png",
+        "high.png",
+        "wood.png",
+    ] {
+        assert!(all.iter().any(|file| file == name), "{name}: {all:?}");
+    }
+    let library = "material = \"m\"\n[materials.m]\ntype = \"lambert\"\nreflectance = 1";
+    assert!(files(library).contains(&"paint.mtl".to_owned()));
 }

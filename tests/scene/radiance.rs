@@ -216,6 +216,11 @@ fn odd_headers_are_refused_by_name() {
     for (line, resolution, expected) in [
         ("EXPOSURE=0", "-Y 3 +X 9", "EXPOSURE: is `0`"),
         ("EXPOSURE=nan", "-Y 3 +X 9", "EXPOSURE: is `nan`"),
+        (
+            "EXPOSURE=1e308\nEXPOSURE=1e308",
+            "-Y 3 +X 9",
+            "EXPOSURE: multiply to [inf, inf, inf]",
+        ),
         ("COLORCORR=1 2", "-Y 3 +X 9", "COLORCORR: is `1 2`"),
         ("PRIMARIES=1 2 3", "-Y 3 +X 9", "PRIMARIES: is `1 2 3`"),
         (

@@ -193,7 +193,7 @@ impl Colors {
             return Ok(map);
         };
         let inverse = DMat3::from_diagonal(DVec3::ONE / factor);
-        if !inverse.is_finite() {
+        if !(inverse.is_finite() && factor.is_finite()) {
             let problem = format!("multiply to {factor}");
             let expected = "factors whose product is a number";
             return Err(InputError::new(file, "EXPOSURE", problem, expected));
