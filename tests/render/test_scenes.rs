@@ -2,7 +2,7 @@
 
 use crate::support::{STRATEGIES, context, project, render, scene_as_it_is};
 use direkt::render::{Check, Film, Pixel};
-use direkt::scene::{Expect, ExpectedRadiance, Scene};
+use direkt::scene::{Bsdf, Expect, ExpectedRadiance, Scene};
 
 /// Every scene of `scenes/tests/`, by name.
 pub fn test_scenes() -> Vec<(String, Scene)> {
@@ -68,6 +68,11 @@ fn brighten(scene: &mut Scene, factor: f64) {
     }
     for light in &mut scene.lights {
         *light.strength_mut() *= factor;
+    }
+    for material in &mut scene.materials {
+        if let Bsdf::Unlit { color } = &mut material.bsdf {
+            *color *= factor;
+        }
     }
     if let Some(environment) = &mut scene.environment {
         environment.scale *= factor;
