@@ -1,8 +1,8 @@
 //! Rays in scenes that are much larger than what is in view, and the grid of their boxes.
 
+use super::hierarchy::distances_by_both_ways;
 use super::meshes::triangle;
 use crate::support::random::{Random, rounded};
-use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, floor_pixel, shape};
 use direkt::accel::grid::Grid;
 use direkt::render::Prepared;
@@ -103,34 +103,15 @@ fn rays_from_far_and_to_far_hit_as_in_brute_force() {
         })
         .flat_map(|v| v.to_array())
         .collect();
-    let body = format!(
-        "let ray = Ray(in_vec3f(0u), in_vec3f(3u));
-         let hit = closest_hit(ray);
-         var nearest = T_MAX;
-         for (var i = 0u; i < {}u; i++) {{
-             nearest = min(nearest, intersect_primitive(ray_frame(ray), fetch_primitive(i), T_MAX).t);
-         }}
-         out_f32(0u, hit.t); out_f32(1u, nearest);",
-        prepared.primitives.len()
-    );
-    let function = Function {
-        imports: "import package::core::constants::T_MAX;
-                  import package::core::ray::{Ray, ray_frame};
-                  import package::scene::fetch::fetch_primitive;
-                  import package::scene::trace::{closest_hit, intersect_primitive};",
-        body: &body,
-        inputs: 6,
-        outputs: 2,
-        features: &[],
-    };
-    let answers = call_in(&context, &prepared, &function, &words(&inputs), rays.len());
-    let found: Vec<_> = answers.f64(0).zip(answers.f64(1)).zip(&rays).collect();
-    let unlike = found.iter().filter(|((t, nearest), _)| t != nearest);
+    let distances = distances_by_both_ways(&context, &prepared, &inputs);
+    assert_eq!(distances.len(), rays.len());
+    let found: Vec<_> = distances.into_iter().zip(&rays).collect();
+    let unlike = found.iter().filter(|([t, nearest], _)| t != nearest);
     let mut unlike: Vec<_> = unlike.map(|(_, (_, what))| what).collect();
     let count = unlike.len();
     unlike.dedup();
     assert!(unlike.is_empty(), "{count} rays are unlike: {unlike:?}");
-    for ((t, _), (_, what)) in found {
+    for ([t, _], (_, what)) in found {
         assert!(t < 1e29 || what.contains("the wall at"), "{what}: a leak");
     }
 }

@@ -51,6 +51,11 @@ fn lamp() -> Shape {
     emitter(ball(FAR, 0.3), RADIANCE, false)
 }
 
+/// Part of a floor's sky, weighted by cosines, that a square fills above its middle whose side is twice its height.
+fn sky_of_square() -> f64 {
+    4.0 / PI * FRAC_1_SQRT_2 * FRAC_1_SQRT_2.atan()
+}
+
 /// The rectangle between two opposite corners with the same z.
 fn level(low: [f64; 2], high: [f64; 2], z: f64) -> Geometry {
     let [low, high] = [low, high].map(DVec2::from_array);
@@ -129,11 +134,10 @@ fn far_lamps_of_every_shape_shine_under_every_kind_of_strategy() {
         v: DVec3::X * (8.0 * FAR),
     };
     let lamps = [disk, square].map(|lamp| emitter(lamp, RADIANCE, false));
-    let of_square = 4.0 / PI * FRAC_1_SQRT_2 * FRAC_1_SQRT_2.atan();
     for strategy in KINDS_OF_STRATEGIES {
         let mut scene = floor_and([vec![lamp()], lamps.to_vec()].concat());
         scene.render.strategy = strategy;
-        let expected = 0.5 * RADIANCE * of_square;
+        let expected = 0.5 * RADIANCE * sky_of_square();
         assert_extreme(&context, scene, expected, &format!("{strategy}"));
     }
 }
@@ -143,7 +147,6 @@ fn far_lamps_of_every_shape_shine_under_every_kind_of_strategy() {
 #[test]
 fn far_triangles_shine_when_sampled_by_solid_angle() {
     let context = context();
-    let of_square = 4.0 / PI * FRAC_1_SQRT_2 * FRAC_1_SQRT_2.atan();
     let corners = [[-4.0, -4.0], [-4.0, 4.0], [4.0, 4.0], [4.0, -4.0]];
     for far in [1e6, 1e12] {
         let corner = |[x, y]: [f64; 2]| DVec3::new(x, y, 4.0) * far;
@@ -158,7 +161,7 @@ fn far_triangles_shine_when_sampled_by_solid_angle() {
         ] {
             let mut scene = floor_and(vec![emitter(square.clone(), RADIANCE, false)]);
             scene.render.strategy = strategy;
-            let expected = 0.5 * RADIANCE * of_square;
+            let expected = 0.5 * RADIANCE * sky_of_square();
             assert_extreme(&context, scene, expected, &format!("{far:e}, {strategy}"));
         }
     }

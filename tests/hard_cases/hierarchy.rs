@@ -6,6 +6,7 @@ use crate::support::random::{Random, rounded};
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, floor_pixel, shape};
 use direkt::accel::flatten::MAX_DEPTH;
+use direkt::gpu::Context;
 use direkt::render::Prepared;
 use direkt::scene::{Geometry, LightSelection, Mesh, Strategy};
 use glam::DVec3;
@@ -64,6 +65,39 @@ fn a_hierarchy_is_never_deeper_than_the_stack() {
     );
 }
 
+/// Where the hierarchy finds that rays stop, and where all primitives in turn do, both on the GPU: pairs of distances, for an
+/// origin and a direction each in `inputs`.
+pub(super) fn distances_by_both_ways(
+    context: &Context,
+    prepared: &Prepared,
+    inputs: &[f64],
+) -> Vec<[f64; 2]> {
+    let body = format!(
+        "let ray = Ray(in_vec3f(0u), in_vec3f(3u));
+         let hit = closest_hit(ray);
+         var nearest = T_MAX;
+         for (var i = 0u; i < {}u; i++) {{
+             nearest = min(nearest, intersect_primitive(ray_frame(ray), fetch_primitive(i), T_MAX).t);
+         }}
+         out_f32(0u, hit.t); out_f32(1u, nearest);",
+        prepared.primitives.len()
+    );
+    let function = Function {
+        imports: "import package::core::constants::T_MAX;
+                  import package::core::ray::{Ray, ray_frame};
+                  import package::scene::fetch::fetch_primitive;
+                  import package::scene::trace::{closest_hit, intersect_primitive};",
+        body: &body,
+        inputs: 6,
+        outputs: 2,
+        features: &[],
+    };
+    let rays = inputs.len() / function.inputs;
+    let answers = call_in(context, prepared, &function, &words(inputs), rays);
+    let both = answers.f64(0).zip(answers.f64(1));
+    both.map(|(found, nearest)| [found, nearest]).collect()
+}
+
 /// Axis-parallel rays and boxes' faces on whole numbers: what the hierarchy finds is what all primitives in turn give, bit
 /// for bit.
 #[test]
@@ -100,30 +134,11 @@ fn rays_on_whole_numbers_are_hit_as_in_brute_force() {
         })
         .flatten()
         .collect();
-    let body = format!(
-        "let ray = Ray(in_vec3f(0u), in_vec3f(3u));
-         let hit = closest_hit(ray);
-         var nearest = T_MAX;
-         for (var i = 0u; i < {}u; i++) {{
-             nearest = min(nearest, intersect_primitive(ray_frame(ray), fetch_primitive(i), T_MAX).t);
-         }}
-         out_f32(0u, hit.t); out_f32(1u, nearest);",
-        prepared.primitives.len()
-    );
-    let function = Function {
-        imports: "import package::core::constants::T_MAX;
-                  import package::core::ray::{Ray, ray_frame};
-                  import package::scene::fetch::fetch_primitive;
-                  import package::scene::trace::{closest_hit, intersect_primitive};",
-        body: &body,
-        inputs: 6,
-        outputs: 2,
-        features: &[],
-    };
-    let answers = call_in(&context, &prepared, &function, &words(&inputs), RAYS);
-    let hits = answers.f64(1).filter(|t| *t < 1e29).count();
+    let distances = distances_by_both_ways(&context, &prepared, &inputs);
+    assert_eq!(distances.len(), RAYS);
+    let hits = distances.iter().filter(|[_, t]| *t < 1e29).count();
     assert!(hits > RAYS / 10, "{hits} hits");
-    for (i, (found, nearest)) in answers.f64(0).zip(answers.f64(1)).enumerate() {
+    for (i, [found, nearest]) in distances.into_iter().enumerate() {
         assert_eq!(found, nearest, "ray {i}, {}", context.adapter.name);
     }
 }
