@@ -28,7 +28,7 @@ fn stopped_at(at: &str, strategies: &[Strategy]) -> Option<SceneCost> {
     };
     let stop = Cell::new(false);
     let mut progress = |what: &str, _: f64| stop.set(stop.get() || what == at);
-    measure(&context(), &cornell, &settings, &mut progress, &|| {
+    measure(context(), &cornell, &settings, &mut progress, &|| {
         stop.get()
     })
     .unwrap()

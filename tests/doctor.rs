@@ -11,7 +11,7 @@ use direkt::gpu::shader::{Config, link};
 #[test]
 fn every_canary_counts_and_only_known_drivers_cut_loops() {
     let context = context();
-    let budget = loop_budget(&context).unwrap();
+    let budget = loop_budget(context).unwrap();
     for canary in &budget.canaries {
         assert!(
             canary.ran > 0 && canary.ran <= canary.expected,
@@ -33,9 +33,9 @@ fn every_canary_counts_and_only_known_drivers_cut_loops() {
 #[test]
 fn bits_tell_what_comparisons_do_not() {
     let context = context();
-    let found = arithmetic(&context).unwrap();
+    let found = arithmetic(context).unwrap();
     survive(
-        &context,
+        context,
         Measured {
             entry: "P1",
             case: "16 numbers, among them NaNs of either sign, quiet and signalling",
@@ -47,7 +47,7 @@ fn bits_tell_what_comparisons_do_not() {
         },
     );
     survive_by_driver(
-        &context,
+        context,
         Measured {
             entry: "P1",
             case: "the same",
@@ -64,7 +64,7 @@ fn bits_tell_what_comparisons_do_not() {
 #[test]
 fn elementary_functions_are_as_accurate_as_promised() {
     let context = context();
-    let found = sweep(&context).unwrap();
+    let found = sweep(context).unwrap();
     for p in &found {
         assert!(
             p.is_within() || !p.needed,
@@ -78,7 +78,7 @@ fn elementary_functions_are_as_accurate_as_promised() {
     };
     for theirs in ["acos", "atan2"] {
         survive(
-            &context,
+            context,
             Measured {
                 entry: "P3",
                 case: "angles at 2¹⁶ arguments",
@@ -115,7 +115,7 @@ fn no_shader_needs_subgroups() {
     let of_folder = |d: &include_dir::Dir<'_>| d.files().filter(|f| asks(f)).count();
     let ours: usize = shaders.dirs().map(of_folder).sum();
     survive_by_driver(
-        &context,
+        context,
         Measured {
             entry: "L4",
             case: "a device without the feature for subgroups",

@@ -14,7 +14,7 @@ fn every_experiment_reproduces_its_exact_values() {
         ..Settings::default()
     };
     for experiment in Experiment::ALL {
-        let report = run(&context, experiment, &settings).unwrap();
+        let report = run(context, experiment, &settings).unwrap();
         assert!(!report.checks.is_empty(), "{}", report.name);
         assert!(!report.plots.is_empty() && !report.tables.is_empty());
         for check in &report.checks {
@@ -33,7 +33,7 @@ fn densities_two_percent_too_large_are_found_by_every_experiment() {
         ..Settings::default()
     };
     for experiment in Experiment::ALL {
-        let report = run(&context, experiment, &settings).unwrap();
+        let report = run(context, experiment, &settings).unwrap();
         let name = report.name;
         assert!(!report.agrees(), "{name}");
         // Nor is it a near miss.
@@ -48,7 +48,7 @@ fn densities_two_percent_too_large_are_found_by_every_experiment() {
 /// The importance table's numbers, and which printed one is wrong.
 #[test]
 fn the_lectures_table_is_reproduced() {
-    let report = run(&context(), Experiment::Importance, &Settings::default()).unwrap();
+    let report = run(context(), Experiment::Importance, &Settings::default()).unwrap();
     let table = &report.tables[0];
     let number = |row: &str, column: &str| table.number(row, column).unwrap();
     for (row, needed) in ROWS.iter().zip([887_511.0, 333_334.0, 98_613.0, 1.0]) {

@@ -1,12 +1,12 @@
 //! The adapter and the device.
 
+use super::kernels::Kernels;
 use super::scene_buffers::BINDINGS_OF_SPLIT;
 use crate::accel::flatten::MAX_PRIMITIVES;
 use crate::accel::parts::{PARTS, PRIMITIVE_WORDS, Split, WORD_BYTES};
 use crate::error::GpuError;
 use crate::scene::load::Capacity;
 use serde::Serialize;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What is known of an adapter.
@@ -46,13 +46,9 @@ pub struct Context {
     pub adapter: AdapterFacts,
     /// The limits that the device was opened with: all that the adapter has.
     pub limits: wgpu::Limits,
-    /// Tells devices apart: wgpu's handles are equal for devices of different instances.
-    pub(super) id: u64,
+    pub(super) kernels: Kernels,
     troubles: Arc<Mutex<Troubles>>,
 }
-
-/// Devices opened so far.
-static DEVICES: AtomicU64 = AtomicU64::new(0);
 
 /// What went wrong outside any call that could have said so.
 #[derive(Debug, Default)]
@@ -144,7 +140,7 @@ impl Context {
             queue,
             adapter: facts,
             limits,
-            id: DEVICES.fetch_add(1, Ordering::Relaxed),
+            kernels: Kernels::default(),
             troubles,
         })
     }

@@ -5,36 +5,35 @@ use super::kernel::{Entry, SceneKernel};
 use super::shader::Config;
 use crate::effects::Effects;
 use crate::error::GpuError;
+use std::sync::{Mutex, PoisonError};
 
-/// Kernels that one device has compiled: those of the device that was last asked for.
+/// Cache of the kernels that one device has compiled.
 #[derive(Debug, Default)]
-pub struct Kernels {
-    device: u64,
-    known: Vec<SceneKernel>,
-}
+pub(super) struct Kernels(Mutex<Vec<SceneKernel>>);
 
-impl Kernels {
-    /// The kernel of `entry` for `effects`: one that is known, or else compiled now.
+impl Context {
+    /// The kernel of `entry` for `effects`: compiled at the first call, kept as long as the device.
     ///
     /// # Errors
     /// The shader does not link, or the driver refuses it.
-    pub fn get(
-        &mut self,
-        context: &Context,
+    pub fn kernel(
+        &self,
         entry: &Entry<'_>,
         effects: &Effects,
         config: Config,
     ) -> Result<SceneKernel, GpuError> {
         let wgsl = SceneKernel::link(entry, effects, config)?;
-        if self.device != context.id {
-            self.known.clear();
-            self.device = context.id;
-        }
-        if let Some(known) = self.known.iter().find(|kernel| kernel.wgsl() == wgsl) {
+        let cached = || {
+            self.kernels
+                .0
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+        };
+        if let Some(known) = cached().iter().find(|kernel| kernel.wgsl() == wgsl) {
             return Ok(known.clone());
         }
-        let kernel = SceneKernel::compile(context, entry, (effects, config), wgsl)?;
-        self.known.push(kernel.clone());
+        let kernel = SceneKernel::compile(self, entry, (effects, config), wgsl)?;
+        cached().push(kernel.clone());
         Ok(kernel)
     }
 }

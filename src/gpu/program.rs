@@ -37,7 +37,7 @@ impl<'a> SceneProgram<'a> {
         entry: &Entry<'_>,
     ) -> Result<Self, GpuError> {
         let config = Config::of(prepared);
-        let kernel = SceneKernel::new(context, entry, &prepared.effects, config)?;
+        let kernel = context.kernel(entry, &prepared.effects, config)?;
         let buffers = SceneBuffers::new(context, prepared)?;
         let device = &context.device;
         let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;

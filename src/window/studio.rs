@@ -4,7 +4,7 @@ use super::job::{Job, Layer, Turns};
 use super::mailbox::{Mailbox, Posted, Quit, State};
 use super::view::{Rescued, View};
 use crate::error::{Error, GpuError};
-use crate::gpu::{Context, Kernels};
+use crate::gpu::Context;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -26,7 +26,6 @@ impl From<Quit> for Closed {
 pub struct Studio<'a> {
     context: &'a Context,
     mailbox: &'a Mailbox,
-    kernels: Kernels,
     views: Vec<View<'a>>,
     posted: Option<Posted>,
     /// Whether the newest job cannot be done.
@@ -47,7 +46,6 @@ impl<'a> Studio<'a> {
         Self {
             context,
             mailbox,
-            kernels: Kernels::default(),
             views: Vec::new(),
             posted: None,
             failed: false,
@@ -134,8 +132,7 @@ impl<'a> Studio<'a> {
                 None => {
                     self.mailbox.tell(|news| news.state = State::Compiling);
                     *self.runs += 1;
-                    let mut view =
-                        View::new(self.context, &mut self.kernels, &job, method, *self.runs)?;
+                    let mut view = View::new(self.context, &job, method, *self.runs)?;
                     if let Some(rescued) = self.rescued.get(index) {
                         view.resume(rescued)?;
                     }

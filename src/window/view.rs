@@ -5,7 +5,7 @@ use super::job::{Job, Method};
 use super::picture::{Inspected, InspectedSurface, Picture, colours};
 use crate::effects::Effect;
 use crate::error::{Error, GpuError};
-use crate::gpu::{Context, Kernels};
+use crate::gpu::Context;
 use crate::reference::kernel::camera::camera_ray;
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::Crossings;
@@ -78,14 +78,8 @@ pub struct Rescued {
 }
 
 impl<'a> View<'a> {
-    /// Prepares the view of `method` and compiles its kernel, unless `kernels` have it.
-    pub fn new(
-        context: &'a Context,
-        kernels: &mut Kernels,
-        job: &Job,
-        method: &Method,
-        run: u64,
-    ) -> Result<Self, Error> {
+    /// Prepares the view of `method` and compiles its kernel, unless the device has it already.
+    pub fn new(context: &'a Context, job: &Job, method: &Method, run: u64) -> Result<Self, Error> {
         let scene = job.scene_of(method);
         validate::validate(&scene)?;
         let settings = method.settings;
@@ -96,8 +90,7 @@ impl<'a> View<'a> {
         let effects = prepared.effects.iter();
         let effects = effects.map(|(effect, reason)| (effect, reason.to_owned()));
         let effects = Arc::new(effects.collect());
-        let mut session =
-            Session::with_kernels(context, &prepared, job.film, settings.seed, kernels)?;
+        let mut session = Session::new(context, &prepared, job.film, settings.seed)?;
         session.set_dispatch_time(FIRST_DISPATCH);
         let mut view = Self {
             scene: Arc::clone(&job.scene),

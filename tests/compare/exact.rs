@@ -24,7 +24,7 @@ fn exact(scene: Scene, strategy: Strategy) -> Result<direkt::compare::Comparison
     };
     let selection = scene.render.light_selection;
     let prepared = Prepared::new(scene, strategy, selection);
-    compare(&context(), &prepared, &settings, |_| ())
+    compare(context(), &prepared, &settings, |_| ())
 }
 
 #[test]

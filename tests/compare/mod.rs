@@ -26,7 +26,7 @@ fn compared(
         broken,
         exact: false,
     };
-    compare(&context, &prepared, &settings, |_| ()).unwrap()
+    compare(context, &prepared, &settings, |_| ()).unwrap()
 }
 
 fn scaled(film: FilmSize, pixels: u32) -> FilmSize {

@@ -102,10 +102,10 @@ fn ten_million_samples_keep_their_mean() {
     for (entry, case, textbook, value, sample) in cases {
         let mean = exact(&mut samples().map(sample));
         let off = |x: f64| (x / mean - 1.0).abs();
-        let pixel = pixel(&context, value);
+        let pixel = pixel(context, value);
         assert_eq!(pixel.samples, samples().count() as u64);
         survive(
-            &context,
+            context,
             Measured {
                 entry,
                 case,
@@ -137,7 +137,7 @@ fn a_million_survives_in_a_file() {
     let (_, read) = radiance(&path);
     let off = |x: f64| (x / 1e6 - 1.0).abs();
     survive(
-        &context(),
+        context(),
         Measured {
             entry: "A5",
             case: "a radiance of 10⁶ in an EXR",
@@ -180,13 +180,13 @@ fn pixels_and_indices_have_numbers_of_their_own() {
     const COUNT: usize = 1 << 20;
     let context = context();
     let units = |words: &[u32]| -> Vec<f64> { words.iter().map(|&w| to_unit(w)).collect() };
-    let ours = units(&first_numbers(&context, "item, vec2u(0u)", COUNT + 1));
+    let ours = units(&first_numbers(context, "item, vec2u(0u)", COUNT + 1));
     // A generator x → 1664525·x + 1013904223 begun at the pixel's number.
     let lcg = |pixel: u32| pixel.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
     let naive = units(&(0..=COUNT as u32).map(lcg).collect::<Vec<_>>());
     let of_neighbours = |x: &[f64]| correlation(&x[1..], &x[..COUNT]).abs();
     survive(
-        &context,
+        context,
         Measured {
             entry: "A6",
             case: "first numbers of 2²⁰ neighbouring pixels",
@@ -198,10 +198,10 @@ fn pixels_and_indices_have_numbers_of_their_own() {
         },
     );
     let [first, later] = ["0u, vec2u(item, 0u)", "0u, vec2u(item, 1u)"]
-        .map(|id| first_numbers(&context, id, 1 << 16));
+        .map(|id| first_numbers(context, id, 1 << 16));
     let equal = first.iter().zip(&later).filter(|(a, b)| a == b).count();
     survive(
-        &context,
+        context,
         Measured {
             entry: "A6",
             case: "samples i and i + 2³² of a pixel, i below 2¹⁶",

@@ -44,7 +44,7 @@ fn any_view_has_a_frame() {
         deviation([right, right.cross(forward), forward])
     };
     survive(
-        &context(),
+        context(),
         Measured {
             entry: "I3",
             case: "views along `up`, and as good as along it",
@@ -71,7 +71,7 @@ fn narrow_and_wide_views_are_finite() {
             width: 9,
             height: 9,
         };
-        let film = render(&context(), scene);
+        let film = render(context(), scene);
         assert_eq!(film.ledger.dropped, 0, "{degrees}°");
         assert!(film.pixels.iter().all(|p| p.mean[0].is_finite()));
         assert!(film.pixels[40].mean[0] > 0.0, "{degrees}°");
@@ -101,12 +101,12 @@ fn distant_cameras_see_what_parallel_rays_see() {
     };
     let mut parallel = from(4.0, &scene);
     parallel.camera.projection = Projection::Orthographic { height: 2.0 };
-    let parallel = render(&context, parallel);
+    let parallel = render(context, parallel);
     for distance in [1e5_f64, 1e7] {
         let distant = from(distance, &scene);
         let effects = prepared(distant.clone()).effects;
         assert!(effects.contains(Effect::DistantCamera), "{distance:e}");
-        let film = render(&context, distant);
+        let film = render(context, distant);
         for (i, (far, near)) in film.pixels.iter().zip(&parallel.pixels).enumerate() {
             let variance = far.variance_of_mean().unwrap()[0] + near.variance_of_mean().unwrap()[0];
             let test = z_test(far.mean[0], near.mean[0], variance, 1e-4 * near.mean[0]);

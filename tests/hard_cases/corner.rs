@@ -100,7 +100,7 @@ fn p_value(found: &Moments, exact: f64, variance: Option<f64>) -> f64 {
 fn means_are_right(scene: &Scene, exact: f64, by_area: f64, what: &str) {
     let context = context();
     for strategy in STRATEGIES {
-        let found = irradiance(&context, scene, strategy);
+        let found = irradiance(context, scene, strategy);
         let variance = (strategy == Strategy::LightArea).then_some(by_area);
         let what = format!("{what}, {strategy}, {}", context.adapter.name);
         statistics::accept(p_value(&found, exact, variance), &what);
@@ -139,9 +139,9 @@ fn every_strategy_finds_a_wall_at_gaps_of_1e_5_and_1e_6() {
 fn the_variance_beside_a_wall_is_bounded() {
     let context = context();
     let [by_area, ours] =
-        [Strategy::LightArea, Strategy::MisPower].map(|s| irradiance(&context, &wall(1e-3), s));
+        [Strategy::LightArea, Strategy::MisPower].map(|s| irradiance(context, &wall(1e-3), s));
     survive(
-        &context,
+        context,
         Measured {
             entry: "G9",
             case: "unit wall 10⁻³ from the point that it lights",
@@ -155,11 +155,11 @@ fn the_variance_beside_a_wall_is_bounded() {
     // So near, area sampling's variance of 10¹¹ is made by samples that are never seen: its mean is short of them.
     let exact = PI * perpendicular_rectangle([-0.5, 0.5], [0.0, 1.0], 1e-6);
     let [by_area, ours] =
-        [Strategy::LightArea, Strategy::MisPower].map(|s| irradiance(&context, &wall(1e-6), s));
+        [Strategy::LightArea, Strategy::MisPower].map(|s| irradiance(context, &wall(1e-6), s));
     assert!(ours.variance().unwrap() <= BOUND, "{ours:?}");
     let off = |found: &Moments| (found.mean / exact - 1.0).abs();
     survive(
-        &context,
+        context,
         Measured {
             entry: "G9",
             case: "unit wall 10⁻⁶ from the point that it lights, 2¹⁸ samples",
@@ -190,9 +190,9 @@ fn the_variance_a_hundredth_above_a_lamp_is_bounded() {
     let context = context();
     let scene = lid([0.0, 0.0], [0.46, 0.38], 0.01);
     let [by_area, ours] = [Strategy::LightArea, Strategy::MisPower]
-        .map(|strategy| irradiance(&context, &scene, strategy).variance().unwrap());
+        .map(|strategy| irradiance(context, &scene, strategy).variance().unwrap());
     survive(
-        &context,
+        context,
         Measured {
             entry: "L2",
             case: "ceiling 0.01 above a lamp of 0.46 × 0.38",

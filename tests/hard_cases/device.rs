@@ -34,7 +34,7 @@ fn a_render_outlives_its_devices() {
     let prepared = prepared(cornell);
     let context = context();
     let new = |context| Session::new(context, &prepared, prepared.scene.film, 0).unwrap();
-    let mut unbroken = new(&context);
+    let mut unbroken = new(context);
     take(&mut unbroken, SPP);
     let expected = unbroken.snapshot().unwrap();
 
@@ -62,14 +62,14 @@ fn a_render_outlives_its_devices() {
     assert!(destroyed_at.is_empty());
     assert_eq!(found.1, expected.1);
 
-    let mut anew = new(&context);
+    let mut anew = new(context);
     take(&mut anew, SPP - 612);
     let differ = |film: &Film| {
         let pixels = film.pixels.iter().zip(&expected.0.pixels);
         pixels.filter(|(a, b)| a != b).count() as f64
     };
     survive(
-        &context,
+        context,
         Measured {
             entry: "P6",
             case: "a device lost three times within 640 samples per pixel",
@@ -120,7 +120,7 @@ fn a_render_that_fails_keeps_its_image() {
     // One block is on the host; 44 samples were on the device.
     assert_eq!((film.sample_range(), rays.camera), ((256, 256), 256 * 64));
     let context = context();
-    let mut right = Session::new(&context, &prepared, prepared.scene.film, 0).unwrap();
+    let mut right = Session::new(context, &prepared, prepared.scene.film, 0).unwrap();
     take(&mut right, 256);
     assert_eq!(film.pixels, right.snapshot().unwrap().0.pixels);
 
@@ -150,10 +150,10 @@ fn default_limits() -> Context {
 
 #[test]
 fn large_images_fit_the_least_limits() {
-    let context = default_limits();
+    let context = &default_limits();
     let sizes = [(16_384, 16), (3840, 2160), (4096, 2160)];
     let wrong: usize = sizes
-        .map(|size| wrong_pixels(&context, size, 1))
+        .map(|size| wrong_pixels(context, size, 1))
         .iter()
         .sum();
     // What an unbroken image gives: the same in regions of any size.
@@ -165,7 +165,7 @@ fn large_images_fit_the_least_limits() {
     let prepared = prepared(cornell);
     let film = |tiles| {
         let size = prepared.scene.film;
-        let mut session = Session::in_regions(&context, &prepared, size, 0, tiles).unwrap();
+        let mut session = Session::in_regions(context, &prepared, size, 0, tiles).unwrap();
         take(&mut session, 3);
         session.snapshot().unwrap()
     };
@@ -174,9 +174,9 @@ fn large_images_fit_the_least_limits() {
         assert_eq!(film(tiles), whole, "{tiles} tiles in a region");
     }
     let largest = floor(4096, 2160);
-    let in_one = Session::in_regions(&context, &largest, largest.scene.film, 0, u32::MAX);
+    let in_one = Session::in_regions(context, &largest, largest.scene.film, 0, u32::MAX);
     survive(
-        &context,
+        context,
         Measured {
             entry: "P4",
             case: "16384 × 16, 3840 × 2160 and 4096 × 2160 pixels on WebGPU's default limits",
@@ -191,15 +191,15 @@ fn large_images_fit_the_least_limits() {
 
 #[test]
 fn every_pixel_has_an_invocation() {
-    let context = default_limits();
+    let context = &default_limits();
     let sizes = [(1, 1), (63, 65), (2048, 2048)];
     let wrong: usize = sizes
-        .map(|size| wrong_pixels(&context, size, 1))
+        .map(|size| wrong_pixels(context, size, 1))
         .iter()
         .sum();
     let groups = context.limits.max_compute_workgroups_per_dimension;
     survive(
-        &context,
+        context,
         Measured {
             entry: "P5",
             case: "1 × 1, 63 × 65 and 2048 × 2048 pixels",
@@ -218,7 +218,7 @@ fn a_scene_that_does_not_fit_a_binding_is_refused_by_name() {
         max_storage_buffer_binding_size: 1 << 20,
         ..wgpu::Limits::default()
     };
-    let context = Context::open_with(&adapters()[0], limits).unwrap();
+    let context = &Context::open_with(&adapters()[0], limits).unwrap();
     let mut scene = floor_pixel();
     let Geometry::Rectangle { corner, u, v } = scene.shapes[0].geometry else {
         panic!("the floor is a rectangle");
@@ -233,7 +233,7 @@ fn a_scene_that_does_not_fit_a_binding_is_refused_by_name() {
         scene.shapes.push(shape);
     }
     let prepared = prepared(scene);
-    let error = Session::new(&context, &prepared, prepared.scene.film, 0).unwrap_err();
+    let error = Session::new(context, &prepared, prepared.scene.film, 0).unwrap_err();
     let GpuError::TooLarge {
         what,
         needed,
@@ -245,7 +245,7 @@ fn a_scene_that_does_not_fit_a_binding_is_refused_by_name() {
     };
     assert!(!what.is_empty() && *limit == 1 << 20, "{error}");
     survive(
-        &context,
+        context,
         Measured {
             entry: "L3",
             case: "30,001 rectangles on an adapter that binds 1 MiB",

@@ -103,7 +103,7 @@ fn rays_from_far_and_to_far_hit_as_in_brute_force() {
         })
         .flat_map(|v| v.to_array())
         .collect();
-    let distances = distances_by_both_ways(&context, &prepared, &inputs);
+    let distances = distances_by_both_ways(context, &prepared, &inputs);
     assert_eq!(distances.len(), rays.len());
     let found: Vec<_> = distances.into_iter().zip(&rays).collect();
     let unlike = found.iter().filter(|([t, nearest], _)| t != nearest);

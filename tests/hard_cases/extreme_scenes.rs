@@ -86,7 +86,7 @@ fn a_lamp_far_away_shines_and_is_hidden_by_what_is_near() {
         shapes.extend(hides);
         let scene = floor_and(shapes);
         assert_extreme(
-            &context,
+            context,
             scene,
             whole * seen,
             &format!("{what} before a lamp"),
@@ -112,7 +112,7 @@ fn a_lamp_far_away_shines_before_every_camera() {
         (scene.film.width, scene.film.height) = (width, width);
         let expected = 0.5 * RADIANCE * 0.09;
         assert!(prepared(scene.clone()).normalization.is_extreme());
-        let mut film = render(&context, scene);
+        let mut film = render(context, scene);
         film.pixels = vec![film.pixels[film.pixels.len() / 2]];
         assert_pixel(&film, expected, &format!("{what} rays"));
     }
@@ -138,7 +138,7 @@ fn far_lamps_of_every_shape_shine_under_every_kind_of_strategy() {
         let mut scene = floor_and([vec![lamp()], lamps.to_vec()].concat());
         scene.render.strategy = strategy;
         let expected = 0.5 * RADIANCE * sky_of_square();
-        assert_extreme(&context, scene, expected, &format!("{strategy}"));
+        assert_extreme(context, scene, expected, &format!("{strategy}"));
     }
 }
 
@@ -162,7 +162,7 @@ fn far_triangles_shine_when_sampled_by_solid_angle() {
             let mut scene = floor_and(vec![emitter(square.clone(), RADIANCE, false)]);
             scene.render.strategy = strategy;
             let expected = 0.5 * RADIANCE * sky_of_square();
-            assert_extreme(&context, scene, expected, &format!("{far:e}, {strategy}"));
+            assert_extreme(context, scene, expected, &format!("{far:e}, {strategy}"));
         }
     }
 }
@@ -192,7 +192,7 @@ fn ceilings_of_any_size_shine() {
     ] {
         let mut scene = floor_and(vec![emitter(geometry, RADIANCE, false)]);
         scene.materials[0].double_sided = false;
-        assert_extreme(&context, scene, expected, what);
+        assert_extreme(context, scene, expected, what);
     }
 }
 
@@ -209,7 +209,7 @@ fn a_wall_hides_half_of_the_sky() {
     sky.radiance = EnvironmentRadiance::Constant(DVec3::ONE);
     scene.environment = Some(sky);
     // A wall at the distance a hides ½ of the sky.
-    assert_extreme(&context(), scene, 0.25, "a wall before the sky");
+    assert_extreme(context(), scene, 0.25, "a wall before the sky");
 }
 
 /// Where a floor of 2·10⁸ is covered by tiles of 2, each point shows its own tile's texel.
@@ -246,7 +246,7 @@ fn a_huge_floor_has_its_texture() {
         });
         scene.materials = vec![material];
         let expected = reflectance * RADIANCE * 0.09;
-        assert_extreme(&context, scene, expected, &format!("the tile at {x}"));
+        assert_extreme(context, scene, expected, &format!("the tile at {x}"));
     }
 }
 
@@ -292,7 +292,7 @@ fn a_room_is_as_it_is_beside_what_is_far_and_on_a_huge_floor() {
     let context = context();
     let ordinary = room(1e3);
     assert!(!prepared(ordinary.clone()).normalization.is_extreme());
-    let expected = render(&context, ordinary.clone());
+    let expected = render(context, ordinary.clone());
     let mut beside = ordinary;
     for height in [FAR, 1.001 * FAR] {
         let plate = level([-3e4; 2], [3e4; 2], height);
@@ -301,7 +301,7 @@ fn a_room_is_as_it_is_beside_what_is_far_and_on_a_huge_floor() {
     for (what, mut scene) in [("beside a box", beside), ("on a huge floor", room(FAR))] {
         assert!(prepared(scene.clone()).normalization.is_extreme());
         scene.render.seed = 1;
-        let film = render(&context, scene);
+        let film = render(context, scene);
         assert_alike(&film, &expected, what);
     }
 }

@@ -52,7 +52,7 @@ fn a_hierarchy_is_never_deeper_than_the_stack() {
     assert!(hits > 100, "{hits} hits");
     assert_eq!(unlike, 0, "{}", context.adapter.name);
     survive(
-        &context,
+        context,
         Measured {
             entry: "G7",
             case: "triangles at 2⁻ᵏ, k below 140, and 4096 in one place",
@@ -134,7 +134,7 @@ fn rays_on_whole_numbers_are_hit_as_in_brute_force() {
         })
         .flatten()
         .collect();
-    let distances = distances_by_both_ways(&context, &prepared, &inputs);
+    let distances = distances_by_both_ways(context, &prepared, &inputs);
     assert_eq!(distances.len(), RAYS);
     let hits = distances.iter().filter(|[_, t]| *t < 1e29).count();
     assert!(hits > RAYS / 10, "{hits} hits");

@@ -63,7 +63,7 @@ fn lights_that_send_nothing_send_nothing() {
             let mut scene = scene.clone();
             scene.render.strategy = strategy;
             scene.render.spp = 1024;
-            let film = render(&context, scene);
+            let film = render(context, scene);
             let pixel = &film.pixels[0];
             // Edge-on, the position's rounding decides how much of the light is seen.
             let most = if what == "edge-on" { 2e-5 } else { 0.0 };
@@ -78,7 +78,7 @@ fn lights_that_send_nothing_send_nothing() {
         naive += samples.filter(|s| !s.is_finite()).count() as f64;
     }
     survive(
-        &context,
+        context,
         Measured {
             entry: "G10",
             case: "lights in the plane, from behind, below and edge-on",
@@ -112,7 +112,7 @@ fn half_a_triangle_below_the_horizon_does_not_count() {
             direkt::scene::Camera::look_at(scene.camera.eye, DVec3::ZERO, DVec3::Z, 1e-5).unwrap();
         scene.render.strategy = strategy;
         scene.render.spp = 1 << 16;
-        let film = render(&context, scene);
+        let film = render(context, scene);
         let what = format!("clipped triangle, {strategy}, {}", context.adapter.name);
         assert_pixel(&film, 0.5 * 0.391_227_737_431_134, &what);
     }

@@ -100,15 +100,15 @@ fn triangles_that_are_none_change_no_pixel() {
     });
     let clean = prepared(clean);
     survive(
-        &context,
+        context,
         Measured {
             entry: "I1",
             case: "an emitter with a NaN vertex, one with a repeated vertex, one collinear",
             figure: "pixels that differ from the clean scene's",
             bound: 0.0,
             textbook: "the triangles that are given",
-            naive: different(&context, &clean, &prepared(kept)),
-            ours: different(&context, &clean, &prepared(dirty)),
+            naive: different(context, &clean, &prepared(kept)),
+            ours: different(context, &clean, &prepared(dirty)),
         },
     );
 }
@@ -135,7 +135,7 @@ fn transforms_are_judged_by_shape_not_by_size() {
     let determinant = DMat3::from_diagonal(DVec3::splat(1e-10)).determinant();
     let count = |refused: bool| f64::from(u8::from(refused));
     survive(
-        &context,
+        context,
         Measured {
             entry: "I2",
             case: "Cornell's box with every shape scaled by 10⁻¹⁰",
@@ -146,7 +146,7 @@ fn transforms_are_judged_by_shape_not_by_size() {
             ours: count(tiny.is_err()),
         },
     );
-    let [original, tiny] = [original, small(tiny.unwrap())].map(|s| film(&context, &prepared(s)));
+    let [original, tiny] = [original, small(tiny.unwrap())].map(|s| film(context, &prepared(s)));
     let off = difference(&original, &tiny);
     assert!(off <= 1e-5, "{off:e}, {}", context.adapter.name);
 }
@@ -170,7 +170,7 @@ fn a_mirrored_light_keeps_its_emitting_side() {
     let naive = map(2.0 * DVec3::X).cross(map(2.0 * DVec3::Y));
     let turned = |normal: DVec3| f64::from(u8::from(normal.dot(DVec3::NEG_Z) <= 0.0));
     survive(
-        &context(),
+        context(),
         Measured {
             entry: "I2",
             case: "an emitting rectangle under scale (1, 1, −1)",

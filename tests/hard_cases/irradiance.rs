@@ -115,7 +115,7 @@ fn triangles_of_every_size_shine_as_brightly_as_they_should() {
         }";
     let textbook = "by_angles(light.a, light.a + light.u, light.a + light.v, s.wi.z)";
     let found = irradiance(
-        &context,
+        context,
         (
             "LIGHT_TRIANGLE",
             &["LIGHT_PLANAR", "LIGHT_TRIANGLES", "LIGHT_SOLID_ANGLE"],
@@ -126,7 +126,7 @@ fn triangles_of_every_size_shine_as_brightly_as_they_should() {
     let exact: Vec<f64> = cases.iter().map(exact).collect();
     let case = "triangles at heights of 10⁻³ to 10⁶, and a sliver";
     let textbook = "density from the sum of three angles less π";
-    survive_irradiance(&context, found, &exact, ("S3", case, textbook));
+    survive_irradiance(context, found, &exact, ("S3", case, textbook));
 }
 
 /// A light of 0.95·10⁻³ sr, tilted by 80°, for a receiver that it grazes by 5°: what pbrt-v4's
@@ -147,7 +147,7 @@ fn small_squares_at_grazing_angles_shine_as_brightly_as_they_should() {
     };
     let cases = [0.95e-3, 1.05e-5, 0.95e-5].map(square);
     let found = irradiance(
-        &context,
+        context,
         ("LIGHT_RECTANGLE", &["LIGHT_PLANAR", "LIGHT_SOLID_ANGLE"]),
         (
             "import package::light::rectangle::spherical_rectangle;",
@@ -161,7 +161,7 @@ fn small_squares_at_grazing_angles_shine_as_brightly_as_they_should() {
     });
     let case = "a square of 0.95·10⁻³ sr, tilted by 80°, 5° above the horizon";
     let textbook = "points of its area with density 1/Ω";
-    survive_irradiance(&context, found, &exact, ("S4", case, textbook));
+    survive_irradiance(context, found, &exact, ("S4", case, textbook));
 }
 
 /// On either side of where direkt changes to area sampling: 10⁻⁵ sr is a distance of 560 radii.
@@ -172,7 +172,7 @@ fn spheres_of_every_size_shine_as_brightly_as_they_should() {
     let cases = distances.map(|d| ([d * DVec3::Z, DVec3::X, DVec3::ZERO], 4.0 * PI));
     let textbook = "s.wi.z * TWO_PI * (1.0 - sqrt(1.0 - 1.0 / dot(light.a, light.a)))";
     let found = irradiance(
-        &context,
+        context,
         ("LIGHT_SPHERE", &["LIGHT_SPHERES", "LIGHT_SOLID_ANGLE"]),
         ("", textbook),
         &cases,
@@ -180,5 +180,5 @@ fn spheres_of_every_size_shine_as_brightly_as_they_should() {
     let exact = distances.map(|d| sphere_factor(DVec3::ZERO, DVec3::Z, d * DVec3::Z, 1.0));
     let case = "spheres at distances of 2 to 10⁵ radii";
     let textbook = "density 1/(2π(1 − √(1 − s²)))";
-    survive_irradiance(&context, found, &exact, ("S5", case, textbook));
+    survive_irradiance(context, found, &exact, ("S5", case, textbook));
 }

@@ -69,11 +69,11 @@ fn within_a_sphere_that_shines_every_sample_is_the_irradiance() {
         (1.0, -OUTWARDS),
     ];
     let largest_error = |features: &[&'static str]| {
-        let samples = sphere_samples(&context, &places, features);
+        let samples = sphere_samples(context, &places, features);
         worst(samples.into_iter().map(|e| (e / PI - 1.0).abs()))
     };
     survive(
-        &context,
+        context,
         Measured {
             entry: "S6",
             case: "at the centre, at 0.999 of the radius and on a sphere that shines inwards",
@@ -86,7 +86,7 @@ fn within_a_sphere_that_shines_every_sample_is_the_irradiance() {
     );
     // Outside on the sphere itself, none of it is above the surface.
     let outside = sphere_samples(
-        &context,
+        context,
         &[(1.0, OUTWARDS)],
         &["LIGHT_SPHERES", "LIGHT_SOLID_ANGLE"],
     );
@@ -107,11 +107,11 @@ fn spots_without_a_penumbra_are_a_step() {
     let edge = f64::from(30_f64.to_radians().cos() as f32);
     let cosines = [-1.0, 0.0, edge - 1e-3, edge, edge + 1e-5, 0.95, 1.0];
     let inputs: Vec<f64> = cosines.iter().flat_map(|&c| [c, edge, edge]).collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let wrong = answers.f64(0).zip(cosines);
     let wrong = wrong.filter(|&(f, c)| f != f64::from(u8::from(c > edge)));
     survive(
-        &context,
+        context,
         Measured {
             entry: "S7",
             case: "a spot whose cones are both of 30°, in seven directions",
@@ -145,9 +145,9 @@ fn the_centre_of_a_disk_is_a_point() {
         features: &[],
     };
     let inputs: Vec<f64> = edge_points().iter().flat_map(|u| u.to_array()).collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     survive(
-        &context,
+        context,
         Measured {
             entry: "S7",
             case: "points of a disk, its centre (½, ½) among them",
@@ -183,9 +183,9 @@ fn a_point_light_on_the_surface_gives_nothing() {
         outputs: 2,
         features: &[],
     };
-    let answers = call_in(&context, &prepared, &function, &[], 16);
+    let answers = call_in(context, &prepared, &function, &[], 16);
     survive(
-        &context,
+        context,
         Measured {
             entry: "S7",
             case: "16 points less than 10⁻⁴⁰ from a point light",
@@ -243,7 +243,7 @@ fn nothing_is_too_far_to_hide_a_directional_light() {
             vec![normalization.length(1000.0)],
         ]
         .concat();
-        let answers = call_in(&context, &prepared, &function, &words(&inputs), 1);
+        let answers = call_in(context, &prepared, &function, &words(&inputs), 1);
         for (word, missed) in missed.iter_mut().enumerate() {
             *missed += answers
                 .u32(word)
@@ -252,7 +252,7 @@ fn nothing_is_too_far_to_hide_a_directional_light() {
         }
     }
     survive(
-        &context,
+        context,
         Measured {
             entry: "S7",
             case: "a directional light above roofs at heights of 10², 10⁴ and 10⁶",
@@ -309,7 +309,7 @@ fn every_sample_of_a_constant_map_is_the_same() {
         features: &[],
     };
     let answers = call_in(
-        &context,
+        context,
         &prepared,
         &function,
         &[],
@@ -325,7 +325,7 @@ fn every_sample_of_a_constant_map_is_the_same() {
         ),
     ] {
         survive(
-            &context,
+            context,
             Measured {
                 entry: "S8",
                 case,
@@ -339,7 +339,7 @@ fn every_sample_of_a_constant_map_is_the_same() {
     }
     // The pole itself is met.
     let at_pole = draw(
-        &context,
+        context,
         &Function {
             imports: "import package::light::environment::sample_environment_cell;",
             body: "out_vec3f(0u, sample_environment_cell(vec2u(item, 0u), vec2u(16u, 8u), vec2f(0.25, 0.0)));",

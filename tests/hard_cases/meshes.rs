@@ -95,10 +95,10 @@ fn a_closed_mesh_lets_no_ray_out() {
         outputs: 2,
         features: &[],
     };
-    let answers = call_in(&context, &prepared, &function, &words(&inputs), RAYS);
+    let answers = call_in(context, &prepared, &function, &words(&inputs), RAYS);
     let leaks = |word| answers.u32(word).filter(|&leaks| leaks == 1).count() as f64;
     survive(
-        &context,
+        context,
         Measured {
             entry: "G1",
             case: "10⁶ rays from within a closed mesh at its edges and vertices",
@@ -156,7 +156,7 @@ fn grazed_slivers_are_hit_where_they_are() {
         outputs: 3,
         features: &[],
     };
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let hits = || answers.u32(0).map(|inside| inside == 1);
     assert!(hits().filter(|hit| *hit).count() > 50_000);
     let beyond = |word| {
@@ -166,7 +166,7 @@ fn grazed_slivers_are_hit_where_they_are() {
             .count() as f64
     };
     survive(
-        &context,
+        context,
         Measured {
             entry: "G2",
             case: "triangles of 11.2 × 9.7 × 1.4 up to 600 away, at half a degree and less",
@@ -201,7 +201,7 @@ pub(super) fn unlike_brute_force(prepared: &Prepared, rays: &[[DVec3; 2]]) -> (u
         features: &[],
     };
     let inputs: Vec<f64> = rays.iter().flatten().flat_map(|v| v.to_array()).collect();
-    let answers = call_in(&context(), prepared, &function, &words(&inputs), rays.len());
+    let answers = call_in(context(), prepared, &function, &words(&inputs), rays.len());
     assert!(answers.u32(1).all(|cut| cut == 0));
     let world = World::new(prepared);
     let nearest = |origin: DVec3, direction: DVec3| {
@@ -263,10 +263,10 @@ fn small_triangles_are_not_hit_from_afar() {
         outputs: 2,
         features: &[],
     };
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let hits = |word| answers.u32(word).filter(|&hit| hit == 1).count() as f64;
     survive(
-        &context,
+        context,
         Measured {
             entry: "G2",
             case: "triangles of 10⁻⁶ that rays pass by 10⁻³ and more, 5·10⁵ rays",
@@ -343,13 +343,13 @@ fn triangles_of_every_size_are_hit_as_in_brute_force() {
         outputs: 4,
         features: &[],
     };
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let not_finite = |words: &[usize]| {
         let bad = |w: &usize| answers.f64(*w).filter(|x| !x.is_finite()).count();
         words.iter().map(bad).sum::<usize>() as f64
     };
     survive(
-        &context,
+        context,
         Measured {
             entry: "G2",
             case: "triangles with edges of 10⁻²⁰",

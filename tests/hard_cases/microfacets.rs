@@ -55,11 +55,11 @@ fn weights_at_grazing_angles_are_between_0_and_1() {
         .flat_map(|&alpha| points.iter().map(move |u| (alpha, u)))
         .flat_map(|(alpha, u)| [wo.x, wo.y, wo.z, alpha, u.x, u.y])
         .collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let range = 0.0..=1.0 + 128.0 * U;
     let outside = |word| answers.f64(word).filter(|w| !range.contains(w)).count() as f64;
     survive(
-        &context,
+        context,
         Measured {
             entry: "B3",
             case: "at 89.99°, α of 10⁻⁴, 10⁻³, 0.1 and 1",
@@ -102,13 +102,13 @@ fn opposite(context: &direkt::gpu::Context) -> Answers {
 #[test]
 fn half_vectors_that_vanish_reflect_nothing() {
     let context = context();
-    let answers = opposite(&context);
+    let answers = opposite(context);
     let broken = |word| {
         let values = answers.f64(word);
         values.filter(|x| !(x.is_finite() && *x >= 0.0)).count() as f64
     };
     survive(
-        &context,
+        context,
         Measured {
             entry: "B4",
             case: "opposite directions, 10⁻³⁰ to 0.1 above the surface",
@@ -142,9 +142,9 @@ fn light_from_below_the_surface_is_not_reflected() {
             inputs.extend([wi.x, wi.y, wi.z, wo.x, wo.y, wo.z, alpha, albedo]);
         }
     }
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     survive(
-        &context,
+        context,
         Measured {
             entry: "B6",
             case: "light from up to 10° below a flat surface",
@@ -163,12 +163,12 @@ fn light_does_not_leak_through_shading_normals() {
     let context = context();
     let scene = scene("scenes/tests/smooth_normals_from_below.toml");
     let irradiance = 10.0;
-    let film = render(&context, scene);
+    let film = render(context, scene);
     let leaked = film.pixels[0].mean[0];
     let (sin, cos) = 10_f64.to_radians().sin_cos();
     let shading_normal = DVec3::new(0.5, 0.0, 0.75_f64.sqrt());
     survive(
-        &context,
+        context,
         Measured {
             entry: "B6",
             case: "light 10° below a surface whose shading normal leans 30° towards it",

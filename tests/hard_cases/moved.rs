@@ -155,20 +155,20 @@ fn largest(context: &Context, originals: &[Film], way: impl Fn(Scene) -> Prepare
 #[test]
 fn a_moved_scene_renders_like_the_original() {
     let context = context();
-    let originals = SCENES.map(|name| film(&context, &prepared(original(name))));
+    let originals = SCENES.map(|name| film(context, &prepared(original(name))));
     let offset = DVec3::new(1e7, -1e7, 1e7);
     survive(
-        &context,
+        context,
         Measured {
             entry: "G3",
             case: "three scenes moved by 10⁷",
             figure: "relative difference of the image",
             bound: BOUND,
             textbook: "positions in f32 in world space",
-            naive: largest(&context, &originals, |s| {
+            naive: largest(context, &originals, |s| {
                 prepared(rounded_in_world_space(moved(s, offset)))
             }),
-            ours: largest(&context, &originals, |s| prepared(moved(s, offset))),
+            ours: largest(context, &originals, |s| prepared(moved(s, offset))),
         },
     );
 }
@@ -176,16 +176,16 @@ fn a_moved_scene_renders_like_the_original() {
 #[test]
 fn a_scaled_scene_renders_like_the_original() {
     let context = context();
-    let originals = SCENES.map(|name| film(&context, &prepared(original(name))));
+    let originals = SCENES.map(|name| film(context, &prepared(original(name))));
     for (s, case) in [
         (1e-12, "three scenes scaled by 10⁻¹²"),
         (1e-6, "three scenes scaled by 10⁻⁶"),
         (1e6, "three scenes scaled by 10⁶"),
     ] {
-        let ours = largest(&context, &originals, |x| prepared(scaled(x, s)));
-        let naive = largest(&context, &originals, |x| in_world_space(scaled(x, s)));
+        let ours = largest(context, &originals, |x| prepared(scaled(x, s)));
+        let naive = largest(context, &originals, |x| in_world_space(scaled(x, s)));
         survive(
-            &context,
+            context,
             Measured {
                 entry: "P2",
                 case,
@@ -205,8 +205,8 @@ fn cameras_move_and_grow_with_their_scenes() {
     let context = context();
     let offset = DVec3::new(1e7, -1e7, 1e7);
     for name in ["depth_of_field", "isometric"] {
-        let expected = film(&context, &prepared(original(name)));
-        let off = |scene: Scene| difference(&expected, &film(&context, &prepared(scene)));
+        let expected = film(context, &prepared(original(name)));
+        let off = |scene: Scene| difference(&expected, &film(context, &prepared(scene)));
         let mut out_of_focus = original(name);
         out_of_focus.camera.lens.radius += 0.1;
         assert!(

@@ -89,11 +89,11 @@ fn what_covers_a_lamp_by_a_hair_covers_it() {
          out_bool(1u, any_hit(shadow_ray(s, light.target_point), 1.0 - 1e-4));
          let l = fetch_light(0u);
          out_bool(2u, any_hit(Ray(s.origin, l.a + u.x * l.u + u.y * l.v - s.origin), 1.0));";
-    let of = |occluded| trace(&context, &prepared(lamp(occluded)), &rays, 3, body);
+    let of = |occluded| trace(context, &prepared(lamp(occluded)), &rays, 3, body);
     let all = rays.len() as f64;
     let [covered, free] = [true, false].map(of);
     survive(
-        &context,
+        context,
         Measured {
             entry: "G5",
             case: "occluder at 1 − 5·10⁻⁵ of the way to a lamp, 10⁵ rays",
@@ -105,7 +105,7 @@ fn what_covers_a_lamp_by_a_hair_covers_it() {
         },
     );
     survive(
-        &context,
+        context,
         Measured {
             entry: "G5",
             case: "nothing before the lamp, 10⁵ rays",
@@ -120,12 +120,12 @@ fn what_covers_a_lamp_by_a_hair_covers_it() {
     for strategy in STRATEGIES {
         let mut scene = lamp(true);
         scene.render.strategy = strategy;
-        let pixel = render(&context, scene).pixels[0];
+        let pixel = render(context, scene).pixels[0];
         assert_eq!(pixel.mean, [0.0; 3], "{strategy}, {}", context.adapter.name);
     }
     let mut scene = lamp(false);
     scene.render.strategy = Strategy::LightProjectedSolidAngle;
-    let pixel = render(&context, scene).pixels[0];
+    let pixel = render(context, scene).pixels[0];
     assert!(
         (pixel.mean[0] / exact - 1.0).abs() < 2e-5,
         "{pixel:?}, not {exact}"
@@ -161,7 +161,7 @@ fn a_plane_does_not_shadow_itself_at_any_distance() {
     let exact = 0.5 / std::f64::consts::PI * 89.0_f64.to_radians().cos();
     let (mut naive, mut ours) = (0.0, 0.0);
     for distance in [1.0, 10.0, 100.0, 1e3, 1e4, 1e5] {
-        let film = render(&context, plane(distance));
+        let film = render(context, plane(distance));
         for pixel in &film.pixels {
             let off = (pixel.mean[0] / exact - 1.0).abs();
             assert!(off < 1e-4, "from {distance}: {pixel:?}, not {exact}");
@@ -184,12 +184,12 @@ fn a_plane_does_not_shadow_itself_at_any_distance() {
              let on_ray = ray.origin + hit.t * ray.direction + {epsilon:e} * s.frame.z;
              out_bool(1u, any_hit(Ray(on_ray, light.wi * 4.0), 1.0));"
         );
-        let answers = trace(&context, &prepared, &rays, 2, &body);
+        let answers = trace(context, &prepared, &rays, 2, &body);
         ours += count(&answers, 0);
         naive += count(&answers, 1);
     }
     survive(
-        &context,
+        context,
         Measured {
             entry: "G4",
             case: "plane of 2000, light at 89°, eye at 1 to 10⁵, 6·10⁴ points",
@@ -235,10 +235,10 @@ fn shells_a_hair_apart_shadow_each_other() {
          out_bool(1u, lit && !any_hit(Ray(off, light.target_point - off), 1.0));
          out_bool(2u, lit);"
     );
-    let answers = trace(&context, &prepared, &rays, 3, &body);
+    let answers = trace(context, &prepared, &rays, 3, &body);
     assert!(count(&answers, 2) > 30_000.0);
     survive(
-        &context,
+        context,
         Measured {
             entry: "G4",
             case: "spheres of radius 1 and 1 + 4·10⁻⁵, 10⁵ points between them",
@@ -328,12 +328,12 @@ fn rays_neither_stop_at_their_own_surface_nor_leak_at_any_scale_and_offset() {
              let lit = inside && light.pdf.value > 0.0 && dot(light.wi, s.frame.z) > 1e-3;
              out_bool(2u, lit && any_hit(shadow_ray(s, light.target_point), 1.0));"
         );
-        let answers = trace(&context, &prepared, &rays, 3, &body);
+        let answers = trace(context, &prepared, &rays, 3, &body);
         ours += count(&answers, 0) + count(&answers, 2);
         naive += count(&answers, 1);
     }
     survive(
-        &context,
+        context,
         Measured {
             entry: "G4",
             case: "closed convex meshes of size 10⁻⁶ to 10⁶ at up to 10⁷ sizes from the origin, 4·10⁵ rays",

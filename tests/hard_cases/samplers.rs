@@ -70,10 +70,10 @@ fn samplers_are_finite_at_the_borders_of_the_square() {
         .iter()
         .flat_map(|&x| words.iter().flat_map(move |&y| [x, y]))
         .collect();
-    let answers = call(&context, &function, &inputs);
+    let answers = call(context, &function, &inputs);
     let broken = |sampler: usize| answers.vec3(3 * sampler).filter(|v| !v.is_finite()).count();
     survive(
-        &context,
+        context,
         Measured {
             entry: "S1",
             case: "13 samplers at numbers from 0 to 1 − 2⁻²⁴",

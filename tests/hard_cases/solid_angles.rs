@@ -68,7 +68,7 @@ fn small_triangles_keep_their_solid_angle() {
         (1000.0, 2, "Van Oosterom & Strackee, unit vectors"),
     ] {
         let cases = turned_triangles(distance);
-        let answers = solid_angles(&context, &OF_TRIANGLE, &cases);
+        let answers = solid_angles(context, &OF_TRIANGLE, &cases);
         let off = |word| {
             let found = answers.f64(word).zip(&cases);
             worst(found.map(|(found, &[a, u, v])| {
@@ -79,7 +79,7 @@ fn small_triangles_keep_their_solid_angle() {
             }))
         };
         survive(
-            &context,
+            context,
             Measured {
                 entry: "S3",
                 case: &format!(
@@ -128,13 +128,13 @@ fn triangles_of_every_size_have_the_exact_solid_angle() {
         (equilateral, 6.272_793_017_922_59),
         (sliver, 3.562_911_697_465_38e-7),
     ];
-    let answers = solid_angles(&context, &OF_TRIANGLE, &cases.map(|c| c.0));
+    let answers = solid_angles(context, &OF_TRIANGLE, &cases.map(|c| c.0));
     let off = |word| {
         let found = answers.f64(word).zip(&cases);
         worst(found.map(|(found, (_, exact))| relative(found, *exact)))
     };
     survive(
-        &context,
+        context,
         Measured {
             entry: "S3",
             case: "triangles of 10⁻¹³ sr to 6.2728 sr, one of them a sliver",
@@ -175,13 +175,13 @@ fn squares_of_every_size_have_the_exact_solid_angle() {
         (1e4, 9.999_999_975e-9),
     ];
     let squares = cases.map(|(z, _)| [DVec3::new(-0.5, -0.5, z), DVec3::X, DVec3::Y]);
-    let answers = solid_angles(&context, &function, &squares);
+    let answers = solid_angles(context, &function, &squares);
     let off = |word| {
         let found = answers.f64(word).zip(cases);
         worst(found.map(|(found, (_, exact))| relative(found, exact)))
     };
     survive(
-        &context,
+        context,
         Measured {
             entry: "S4",
             case: "a unit square at distances of 10⁻² to 10⁴",
@@ -212,13 +212,13 @@ fn cones_of_far_spheres_keep_their_solid_angle() {
         (1e-4, 3.141_592_661_443_77e-8),
         (1e-6, 3.141_592_653_590_58e-12),
     ];
-    let answers = call(&context, &function, &words(&cases.map(|(s, _)| s * s)));
+    let answers = call(context, &function, &words(&cases.map(|(s, _)| s * s)));
     let off = |word| {
         let found = answers.f64(word).zip(cases);
         worst(found.map(|(found, (_, exact))| relative(found, exact)))
     };
     survive(
-        &context,
+        context,
         Measured {
             entry: "S5",
             case: "spheres at distances of 10 to 10⁶ radii",

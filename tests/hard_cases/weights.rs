@@ -33,7 +33,7 @@ fn two_strategies_have_the_exact_variance() {
         outputs: 3,
         features: &[],
     };
-    let answers = draw(&context, &function, 65_535 * 64);
+    let answers = draw(context, &function, 65_535 * 64);
     let off = |word, exact: f64| {
         let moments: Moments = answers.f64(word).collect();
         (moments.variance().unwrap() / exact - 1.0).abs()
@@ -43,7 +43,7 @@ fn two_strategies_have_the_exact_variance() {
         (1, 0.523_097_720_493_333, "power"),
     ] {
         survive(
-            &context,
+            context,
             Measured {
                 entry: "M2",
                 case: &format!(

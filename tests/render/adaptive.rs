@@ -30,14 +30,14 @@ fn counts(film: &Film) -> BTreeSet<u64> {
 fn pixels_have_the_samples_of_uniform_images() {
     let context = context();
     let prepared = prepared(cornell(63, 65));
-    let mut adaptive = session(&context, &prepared, 5);
+    let mut adaptive = session(context, &prepared, 5);
     take(&mut adaptive, 150);
     let film = adaptive.snapshot().unwrap().0;
     let counts = counts(&film);
     assert!(counts.iter().all(|n| n.is_power_of_two() && *n >= PILOT));
     assert!(counts.len() >= 4, "{counts:?}");
     assert!((150..300).contains(&film.mean_samples()));
-    let mut uniform = session(&context, &prepared, 5);
+    let mut uniform = session(context, &prepared, 5);
     uniform.set_adaptive(false);
     for n in counts {
         take(&mut uniform, n);
@@ -67,13 +67,13 @@ fn passes_regions_and_lost_devices_change_nothing() {
     scene.render.sampler = Sampler::Sobol;
     let prepared = prepared(scene);
     let context = context();
-    let mut whole = session(&context, &prepared, 0);
+    let mut whole = session(context, &prepared, 0);
     take(&mut whole, SPP);
     let expected = whole.snapshot().unwrap();
     let many = *counts(&expected.0).last().unwrap();
     assert!(many > 1024, "blocks are merged: {many}");
 
-    let mut cut = Session::in_regions(&context, &prepared, prepared.scene.film, 0, 7).unwrap();
+    let mut cut = Session::in_regions(context, &prepared, prepared.scene.film, 0, 7).unwrap();
     for to in [3, 17, 18, 60, 61, 200, SPP] {
         let mut interruptions = 0;
         let pass = |session: &mut Session<'_>| {
@@ -115,7 +115,7 @@ fn passes_regions_and_lost_devices_change_nothing() {
 fn sessions_begin_again() {
     let context = context();
     let prepared = prepared(cornell(40, 30));
-    let mut one = session(&context, &prepared, 2);
+    let mut one = session(context, &prepared, 2);
     take(&mut one, 64);
     let expected = one.snapshot().unwrap();
     one.reframe(
@@ -141,7 +141,7 @@ fn without_an_error_all_pixels_have_the_same() {
     pixel.render.spp = 100;
     black.render.spp = 100;
     for scene in [black, pixel] {
-        let film = render(&context(), scene);
+        let film = render(context(), scene);
         assert_eq!(counts(&film), BTreeSet::from([100]));
     }
 }
@@ -158,11 +158,11 @@ fn means_are_unbiased() {
     (exact.render.strategy, exact.render.spp) = (Strategy::MisPower, 1 << 12);
     (exact.render.sampler, exact.render.adaptive) = (Sampler::Sobol, false);
     let context = context();
-    let exact = render(&context, exact);
+    let exact = render(context, exact);
     let (expected, its_error) = (exact.mean()[1], exact.standard_error_of_mean().unwrap()[1]);
 
     let prepared = prepared(scene);
-    let mut session = session(&context, &prepared, 0);
+    let mut session = session(context, &prepared, 0);
     let mut means = [Moments::default(), Moments::default()];
     for seed in 0..IMAGES {
         for (adaptive, means) in [true, false].into_iter().zip(&mut means) {
@@ -197,11 +197,11 @@ fn the_error_is_smaller_at_equal_samples() {
     let mut scene = cornell(128, 128);
     scene.render.sampler = Sampler::Sobol;
     scene.render.spp = 2048;
-    let truth = render(&context, scene.clone());
+    let truth = render(context, scene.clone());
     (scene.render.spp, scene.render.seed) = (64, 1);
     let errors = [true, false].map(|adaptive| {
         scene.render.adaptive = adaptive;
-        let film = render(&context, scene.clone());
+        let film = render(context, scene.clone());
         let mean = truth.mean()[1];
         let terms = film.pixels.iter().zip(&truth.pixels).map(|(found, truth)| {
             let (x, r) = (found.mean[1], truth.mean[1]);

@@ -83,7 +83,7 @@ fn features_are_the_twins() {
     let context = context();
     for name in SCENES {
         let prepared = small(name);
-        let found = features(&context, &prepared, (FILM, SEED), SAMPLES).unwrap();
+        let found = features(context, &prepared, (FILM, SEED), SAMPLES).unwrap();
         let twin = Twin::new(&prepared, FILM, SEED, None);
         let wrong = |first, mistake| wrong_features(&twin, &found, first, mistake);
         assert_eq!(wrong(0, |f| f), 0, "{name}");
@@ -143,7 +143,7 @@ fn surfaces_are_the_twins() {
     let context = context();
     for name in SCENES {
         let prepared = small(name);
-        let mut found = surfaces(&context, &prepared, (FILM, SEED)).unwrap();
+        let mut found = surfaces(context, &prepared, (FILM, SEED)).unwrap();
         assert_eq!(wrong_surfaces(&prepared, &found, DVec2::ZERO), 0, "{name}");
         let aside = wrong_surfaces(&prepared, &found, DVec2::new(0.05, 0.0));
         assert!(aside > 100, "{name}: a twentieth of a pixel aside: {aside}");
@@ -163,7 +163,7 @@ fn with_all(mut scene: Scene) -> Scene {
 fn images(scene: Scene) -> (Prepared, AovImages) {
     let (film, seed) = (scene.film, scene.render.seed);
     let prepared = prepared(with_all(scene));
-    let images = render_aovs(&context(), &prepared, (film, seed), 4).unwrap();
+    let images = render_aovs(context(), &prepared, (film, seed), 4).unwrap();
     (prepared, images)
 }
 
@@ -244,7 +244,7 @@ fn features_go_on_in_mirrors_and_surfaces_do_not() {
 fn what_nobody_asks_for_is_not_rendered() {
     let prepared = prepared(floor_pixel());
     let context = context();
-    let none = render_aovs(&context, &prepared, (prepared.scene.film, 0), 4).unwrap();
+    let none = render_aovs(context, &prepared, (prepared.scene.film, 0), 4).unwrap();
     assert_eq!(none, AovImages::default());
     let beyond = SurfaceRecord {
         primitive: u32::MAX,

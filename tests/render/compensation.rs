@@ -66,7 +66,7 @@ fn compensation_does_not_change_the_mean() {
             let mut seed = 40;
             let films = both.each_ref().map(|prepared| {
                 seed += 1;
-                recorded_film(&context, prepared, (FILM, seed, 256), Part::Reflected)
+                recorded_film(context, prepared, (FILM, seed, 256), Part::Reflected)
             });
             let what = format!("{name}, {strategy}, {}", context.adapter.name);
             accept_means(same_means(&films[1], &films[0]), &what);
@@ -87,7 +87,7 @@ fn compensation_under_light_sampling_alone_is_biased_and_found() {
     assert!(!compensated(&prepared), "the setting is for MIS alone");
     let what = format!("sun and sky, light-area, {}", context.adapter.name);
     let test = |prepared: &Prepared| {
-        let film = recorded_film(&context, prepared, (FILM, 44, 256), Part::Reflected);
+        let film = recorded_film(context, prepared, (FILM, 44, 256), Part::Reflected);
         exact_means(&film, exact, 0.0)
     };
     accept_means(test(&prepared), &what);
@@ -116,7 +116,7 @@ fn compensation_lowers_the_variance_under_a_sun_in_a_broad_sky() {
         let [plain, lower] = [(false, 46), (true, 47)].map(|(compensation, seed)| {
             let prepared = prepared(scene.clone(), strategy, compensation);
             let run = (FILM, seed, 64);
-            let film = recorded_film(&context, &prepared, run, Part::Reflected);
+            let film = recorded_film(context, &prepared, run, Part::Reflected);
             squares(&film, exact)
         });
         let what = format!(

@@ -53,7 +53,7 @@ fn a_calibration_that_is_stopped_has_the_estimators_before() {
     let second = settings.estimators[1].to_string();
     let mut progress = |what: &str, part: f64| stop.set(what.starts_with(&second) && part > 0.2);
     let stop = || stop.get();
-    let found = calibrate(&context(), &scene, &settings, &mut progress, &stop).unwrap();
+    let found = calibrate(context(), &scene, &settings, &mut progress, &stop).unwrap();
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].estimator, settings.estimators[0]);
 }
@@ -61,7 +61,7 @@ fn a_calibration_that_is_stopped_has_the_estimators_before() {
 /// Reported errors are within 10 % of actual ones, intervals hold what they say, and images that stop by themselves are as
 /// right as they were told to be. The bounds leave four standard errors of so few images.
 fn assert_calibrated(scene: &Scene, settings: &Settings) {
-    let found = calibrate(&context(), scene, settings, &mut |_, _| {}, &|| false);
+    let found = calibrate(context(), scene, settings, &mut |_, _| {}, &|| false);
     for c in found.unwrap() {
         let off = |value: f64, due: f64| (value - due).abs();
         assert!(
@@ -101,7 +101,7 @@ fn the_scatter_of_sobol_points_is_not_their_error() {
     scene.render.sampler = Sampler::Sobol;
     let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Power);
     let context = context();
-    let mut session = Session::new(&context, &prepared, prepared.scene.film, 41).unwrap();
+    let mut session = Session::new(context, &prepared, prepared.scene.film, 41).unwrap();
     session.pass(64, || false).unwrap();
     let film = session.snapshot().unwrap().0;
     let sum = |variances: &mut dyn Iterator<Item = [f64; 3]>| variances.map(|v| v[1]).sum::<f64>();

@@ -25,7 +25,7 @@ fn small_cornell() -> Scene {
 
 fn film_of(prepared: &Prepared, passes: &[u64]) -> Film {
     let context = context();
-    let mut session = Session::new(&context, prepared, prepared.scene.film, 3).unwrap();
+    let mut session = Session::new(context, prepared, prepared.scene.film, 3).unwrap();
     for &samples in passes {
         assert_eq!(session.pass(samples, || false).unwrap(), StopReason::Done);
     }
@@ -110,7 +110,7 @@ fn other_seeds_give_other_images() {
     let context = context();
     let prepared = prepared(small_cornell());
     let films = [3, 4].map(|seed| {
-        let mut session = Session::new(&context, &prepared, prepared.scene.film, seed).unwrap();
+        let mut session = Session::new(context, &prepared, prepared.scene.film, seed).unwrap();
         take(&mut session, 4);
         session.snapshot().unwrap().0
     });
@@ -209,7 +209,7 @@ fn an_image_of_several_regions_is_covered() {
 fn an_interrupted_pass_keeps_what_it_has() {
     let context = context();
     let prepared = prepared(small_cornell());
-    let mut session = Session::new(&context, &prepared, prepared.scene.film, 3).unwrap();
+    let mut session = Session::new(context, &prepared, prepared.scene.film, 3).unwrap();
     session.pass(2, || false).unwrap();
     assert_eq!(session.pass(2, || true).unwrap(), StopReason::Interrupted);
     let (film, rays) = session.snapshot().unwrap();
@@ -245,15 +245,15 @@ fn loops_longer_than_a_drivers_budget_lose_no_sample() {
     }
     let context = context();
     let prepared = prepared(scene);
-    let mut session = Session::new(&context, &prepared, prepared.scene.film, 0).unwrap();
+    let mut session = Session::new(context, &prepared, prepared.scene.film, 0).unwrap();
     session.pass(64, || false).unwrap();
     let (film, _) = session.snapshot().unwrap();
     assert_eq!(film.pixels[0].mean, [1.0; 3], "{:?}", context.adapter);
-    let budget = loop_budget(&context).unwrap();
+    let budget = loop_budget(context).unwrap();
     let limited = !budget.is_unlimited();
     let lost = budget.canaries.iter().map(|c| c.expected - c.ran);
     survive_by_driver(
-        &context,
+        context,
         Measured {
             entry: "L1",
             case: "64 samples behind 6,000 surfaces that rays pass through",

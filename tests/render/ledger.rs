@@ -24,9 +24,9 @@ fn overflowing_samples_are_dropped_and_counted() {
     scene.render.spp = 5;
     let mut in_watts = prepared(scene.clone());
     // A larger unit keeps such a light within f32.
-    assert_eq!(render_prepared(&context, &in_watts).ledger.dropped, 0);
+    assert_eq!(render_prepared(context, &in_watts).ledger.dropped, 0);
     in_watts.emitters.unit = 1.0;
-    let film = render_prepared(&context, &in_watts);
+    let film = render_prepared(context, &in_watts);
     assert_eq!(film.ledger.dropped, 5 * 81, "{}", context.adapter.name);
     let first = film
         .ledger
@@ -41,7 +41,7 @@ fn overflowing_samples_are_dropped_and_counted() {
     );
 
     scene.lights[0] = point_light(DVec3::new(0.0, 0.0, 1e-3), 1.0);
-    let film = render(&context, scene);
+    let film = render(context, scene);
     assert_eq!(film.ledger.dropped, 0);
 }
 
@@ -57,7 +57,7 @@ fn no_scene_has_a_sample_that_is_not_finite() {
         scene.render.sampler = Sampler::Sobol;
         scene.render.spp = samples / scene.film.pixels() as u64;
         let name = scene.source.display().to_string();
-        let film = render(&context, scene);
+        let film = render(context, scene);
         assert_eq!(film.ledger.dropped, 0, "{name}: {:?}", film.ledger);
         assert!(film.sample_range().0 > 0, "{name}");
     }

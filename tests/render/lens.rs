@@ -47,7 +47,7 @@ fn the_circle_of_confusion_is_as_wide_as_it_should_be() {
     ];
     for projection in narrow {
         for (radius, aside) in [(0.4, 0.3), (0.4, 0.25), (0.6, 0.5)] {
-            let film = render(&context, disk_behind_focus(radius, aside, projection));
+            let film = render(context, disk_behind_focus(radius, aside, projection));
             let spread = 1.5 * radius;
             let area = |spread: f64| std::f64::consts::PI * spread * spread;
             let expected = |spread: f64| lens_shape(spread, 0.5, aside) / area(spread);

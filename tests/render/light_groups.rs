@@ -75,7 +75,7 @@ fn all_groups_together_are_the_image() {
         for strategy in [Strategy::LightArea, Strategy::Bsdf, Strategy::MisPower] {
             let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
             let names = &prepared.emitters.groups.names;
-            let mut film = film(&context, &prepared, 9);
+            let mut film = film(context, &prepared, 9);
             assert_eq!(film.light_groups.len(), names.len(), "{name}");
             assert!(names.len() > 1, "{name}: {names:?}");
             let worst = worst_sum(&film);
@@ -138,7 +138,7 @@ fn each_group_is_the_twins_with_its_lights_alone() {
     for (name, mut scene) in scenes() {
         scene.render.sampler = Sampler::Independent;
         let prepared = prepared(scene);
-        let film = film(&context, &prepared, 128);
+        let film = film(context, &prepared, 128);
         let names = &prepared.emitters.groups.names;
         let twins: Vec<_> = (0..names.len())
             .map(|group| twin_mean(&prepared, group as u32, 64, None))
@@ -183,7 +183,7 @@ fn groups_have_their_exact_values() {
     };
     let prepared = prepared(scene);
     let context = context();
-    let film = film(&context, &prepared, 256);
+    let film = film(context, &prepared, 256);
     let names = &prepared.emitters.groups.names;
     assert_eq!(names, &["square", "point", "sky", "default"]);
     // I cosθ ρ/(π d²) of 100 at distance 5 and cosine 4/5; E cosθ ρ/π of 10 at 60°.
@@ -214,7 +214,7 @@ fn without_groups_shader_and_image_are_as_before() {
         .collect();
     let session = |scene: &Scene| {
         let prepared = prepared(scene.clone());
-        let mut session = Session::new(&context, &prepared, FILM, 3).unwrap();
+        let mut session = Session::new(context, &prepared, FILM, 3).unwrap();
         take(&mut session, 5);
         (session.wgsl().to_owned(), session.snapshot().unwrap().0)
     };
@@ -234,7 +234,7 @@ fn without_groups_shader_and_image_are_as_before() {
     scene.light_groups = direkt::scene::LightGroups::default();
     assert_eq!(session(&scene), (wgsl, image.clone()));
     assert!(image.light_groups.is_empty());
-    let grouped = film(&context, &with, 5);
+    let grouped = film(context, &with, 5);
     assert_eq!(grouped.light_groups.len(), 3);
     assert_eq!(
         grouped.pixels, image.pixels,
@@ -247,8 +247,8 @@ fn without_groups_shader_and_image_are_as_before() {
 fn groups_go_on_exactly_from_where_they_stood() {
     let context = context();
     let prepared = prepared(grouped("spot_and_sun"));
-    let whole = film(&context, &prepared, 300);
-    let mut session = Session::in_regions(&context, &prepared, FILM, 3, 2).unwrap();
+    let whole = film(context, &prepared, 300);
+    let mut session = Session::in_regions(context, &prepared, FILM, 3, 2).unwrap();
     for samples in [1, 100, 155, 20] {
         session.pass(samples, || false).unwrap();
     }
@@ -256,7 +256,7 @@ fn groups_go_on_exactly_from_where_they_stood() {
     session.pass(3, || false).unwrap();
     let checkpoint = session.into_checkpoint();
     assert_eq!(checkpoint.samples(), 276);
-    let mut other = Session::in_regions(&context, &prepared, FILM, 3, 2).unwrap();
+    let mut other = Session::in_regions(context, &prepared, FILM, 3, 2).unwrap();
     other.resume(checkpoint).unwrap();
     take(&mut other, 300);
     assert_eq!(other.snapshot().unwrap().0, whole);

@@ -77,7 +77,7 @@ fn a_tree_with_a_mistake_is_found_out() {
     for (mistake, strategy, make_it) in mistakes {
         let make = || Prepared::new(lamps(), strategy, LightSelection::Tree);
         let honest = make();
-        let gpu = recorded_film(&context, &honest, (FILM, 200, 256), Part::Reflected);
+        let gpu = recorded_film(context, &honest, (FILM, 200, 256), Part::Reflected);
         let twin = |p: &Prepared| twin_film(p, (FILM, 201, 128), Part::Reflected, None);
         let what = format!("light tree, {strategy}, {}", context.adapter.name);
         accept_means(same_means(&gpu, &twin(&honest)), &what);
@@ -107,7 +107,7 @@ fn dim_and_bright_lights_give_their_sum() {
         let exact = 0.5 / std::f64::consts::PI * (1e-3 / (dim * dim) + 1e3 / (bright * bright));
         for &selection in selections {
             let prepared = Prepared::new(scene.clone(), Strategy::MisPower, selection);
-            let film = recorded_film(&context, &prepared, (FILM, 210, 64), Part::Reflected);
+            let film = recorded_film(context, &prepared, (FILM, 210, 64), Part::Reflected);
             let error = film.standard_error_of_mean().unwrap()[0];
             let mean = film.mean()[0];
             let p = z_test(mean, exact, error * error, 2e-5 * exact).p_value;
@@ -135,7 +135,7 @@ fn a_tree_has_less_than_a_tenth_of_the_variance_of_power() {
     let variance_by = |selection| {
         let prepared = Prepared::new(scene.clone(), Strategy::LightSolidAngle, selection);
         assert_eq!(prepared.emitters.lights.len(), 100_000);
-        let film = recorded_film(&context, &prepared, (scene.film, 220, 32), Part::Reflected);
+        let film = recorded_film(context, &prepared, (scene.film, 220, 32), Part::Reflected);
         variance(&film)
     };
     let by_tree = variance_by(LightSelection::Tree);

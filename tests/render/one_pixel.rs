@@ -15,7 +15,7 @@ fn assert_under_every_strategy(scene: &Scene, spp: u64, expected: f64, what: &st
         let mut scene = scene.clone();
         scene.render.strategy = strategy;
         scene.render.spp = spp;
-        let film = render(&context, scene);
+        let film = render(context, scene);
         assert_pixel(
             &film,
             expected,
@@ -33,7 +33,7 @@ fn cornells_light_seen_directly_is_its_radiance() {
         height: 128,
     };
     scene.render.spp = 8;
-    let film = render(&context, scene);
+    let film = render(context, scene);
     // The light spans rows 16 to 20 and columns 53 to 74 of the image; this pixel is well inside.
     let pixel = &film.pixels[18 * 128 + 64];
     let expected = [18.387_f32, 13.9873, 6.75357];
@@ -139,21 +139,21 @@ fn an_empty_scene_is_black_or_its_environment() {
         width: 9,
         height: 5,
     };
-    let film = render(&context, scene.clone());
+    let film = render(context, scene.clone());
     assert!(
         film.pixels
             .iter()
             .all(|p| p.samples == 16 && p.mean.iter().all(|&m| m.abs() <= 0.0))
     );
     scene.environment = Some(constant(0.75));
-    let film = render(&context, scene);
+    let film = render(context, scene);
     let off = |p: &&Pixel| p.mean.iter().any(|&m| (m - 0.75).abs() > 0.0);
     let off = film.pixels.iter().filter(off).count();
     let empty = context.checked(|| {
-        drop(bind_empty(&context));
+        drop(bind_empty(context));
     });
     survive(
-        &context,
+        context,
         Measured {
             entry: "I4",
             case: "no shape under a constant sky, 9 × 5 pixels",
@@ -168,7 +168,7 @@ fn an_empty_scene_is_black_or_its_environment() {
 
 #[test]
 fn a_scene_without_lights_is_black() {
-    let film = render(&context(), floor_pixel());
+    let film = render(context(), floor_pixel());
     assert_pixel(&film, 0.0, "no lights");
 }
 

@@ -69,7 +69,7 @@ fn a_thousand_layers_let_the_product_pass() {
         scene.render.spp = 1 << 14;
         for strategy in KINDS_OF_STRATEGIES {
             scene.render.strategy = strategy;
-            let film = render(&context, scene.clone());
+            let film = render(context, scene.clone());
             let what = format!("1000 layers, {name}, {strategy}, {}", context.adapter.name);
             assert_pixel(&film, passing * expected, &what);
         }
@@ -93,7 +93,7 @@ fn a_one_sided_sphere_is_crossed_once() {
     scene.shapes.push(shape("sphere", sphere));
     scene.environment = Some(crate::support::every_kind::constant_environment());
     scene.render.spp = 1 << 16;
-    let film = render(&context, scene);
+    let film = render(context, scene);
     let mean = film.pixels[0].mean;
     let variance = 0.3 * 0.7 / f64::from(1 << 16);
     for (found, sky) in mean.iter().zip([0.2, 0.3, 0.5]) {
@@ -112,7 +112,7 @@ fn a_minute_opacity_lets_all_but_nothing_pass() {
     scene.render.spp = 1 << 12;
     let prepared_scene = prepared(scene.clone());
     assert!(prepared_scene.effects.contains(Effect::Alpha));
-    assert_pixel(&render(&context(), scene), 3.978_873_577, "opacity 1e-7");
+    assert_pixel(&render(context(), scene), 3.978_873_577, "opacity 1e-7");
 }
 
 /// An opacity of 1 calls for nothing, and what has an opacity of 0 is not there at all, its emission included.

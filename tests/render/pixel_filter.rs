@@ -82,7 +82,7 @@ fn an_edge_shows_the_filters_integral() {
                 radius,
                 ..PixelFilter::of_kind(kind)
             };
-            let film = render(&context, edge(filter, Sampler::Independent));
+            let film = render(context, edge(filter, Sampler::Independent));
             let what = format!("edge under {filter:?}, {}", context.adapter.name);
             for (i, p) in p_values(&film, filter).into_iter().enumerate() {
                 statistics::accept(p, &format!("{what}, pixel {i}"));
@@ -104,7 +104,7 @@ fn filters_keep_the_stratification() {
     let context = context();
     let filter = PixelFilter::of_kind(FilterKind::Gaussian);
     let error = |sampler: Sampler| -> f64 {
-        let film = render(&context, edge(filter, sampler));
+        let film = render(context, edge(filter, sampler));
         let pixels = film.pixels.iter().enumerate();
         let off = pixels.map(|(i, p)| p.mean[0] - beyond(filter, EDGE - (i as f64 + 0.5)));
         off.map(|x| x * x).sum()

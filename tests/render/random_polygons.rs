@@ -84,7 +84,7 @@ fn any_polygon_light_agrees_with_lamberts_formula() {
                 width: 64,
                 height: 64,
             };
-            let film = render(&context, scene);
+            let film = render(context, scene);
             let what = format!("polygon {index}, {strategy}, {}", context.adapter.name);
             assert_eq!(film.ledger.dropped, 0, "{what}");
             let expected = 0.5 * 10.0 * factor;

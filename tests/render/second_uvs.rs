@@ -66,7 +66,7 @@ pub fn floor([color, opacity]: [bool; 2]) -> Scene {
 fn each_texture_is_read_with_its_own_set() {
     let context = context();
     for (sets, reflectance, alpha) in [([true, false], 0.3, 0.8), ([false, true], 0.1, 0.4)] {
-        let film = render(&context, floor(sets));
+        let film = render(context, floor(sets));
         let expected = alpha * reflectance + 1.0 - alpha;
         assert_pixel(&film, expected, &format!("second sets {sets:?}"));
     }

@@ -63,7 +63,7 @@ fn exact_values_are_found_with_several_rays_and_every_light() {
                 scene.render.strategy = strategy;
                 scene.render.light_selection = selection;
                 scene.render.spp = (scene.render.spp / 8).max(64);
-                let film = render(&context, scene.clone());
+                let film = render(context, scene.clone());
                 let what = format!(
                     "{name}, {strategy}, {rays} {pattern} rays, {selection}, {}",
                     context.adapter.name
@@ -162,7 +162,7 @@ fn variance_falls_with_the_number_of_rays() {
             let mut scene = with_rays(square_over_floor(), rays, pattern);
             scene.render.spp = samples;
             scene.render.seed = rays;
-            let film = render(&context, scene);
+            let film = render(context, scene);
             let what = format!(
                 "variance of {rays} {pattern} rays, {}",
                 context.adapter.name
@@ -204,7 +204,7 @@ fn every_light_leaves_no_variance_of_choice() {
         let (scene, expected) = four_lights();
         let mut scene = with_rays(scene, rays, pattern);
         scene.render.light_selection = selection;
-        let (film, size) = (render(&context, scene.clone()), scene.film);
+        let (film, size) = (render(context, scene.clone()), scene.film);
         let pixel = &film.pixels[0];
         let what = format!("{rays} {pattern}, {selection}: {pixel:?}");
         assert!(
@@ -213,14 +213,14 @@ fn every_light_leaves_no_variance_of_choice() {
         );
         assert!(pixel.m2[0].sqrt() < 1e-6 * expected, "{what}");
         let prepared = prepared(scene);
-        let mut session = Session::new(&context, &prepared, size, 0).unwrap();
+        let mut session = Session::new(context, &prepared, size, 0).unwrap();
         session.pass(16, || false).unwrap();
         let (_, counts) = session.snapshot().unwrap();
         assert_eq!(counts.shadow, 16 * traced, "{what}");
     }
     let (mut scene, expected) = four_lights();
     scene.render.light_selection = LightSelection::Uniform;
-    let pixel = render(&context, scene).pixels[0];
+    let pixel = render(context, scene).pixels[0];
     assert!((pixel.m2[0] / 15.0).sqrt() > 0.3 * expected, "{pixel:?}");
 }
 
@@ -253,7 +253,7 @@ fn center_and_grid_are_quadratures() {
             // So that what the pixel sees does not vary either.
             scene.camera.projection = Projection::Perspective { fov_y: 1e-9 };
             scene.render.sampler = sampler;
-            let pixel = render(&context, scene.clone()).pixels[0];
+            let pixel = render(context, scene.clone()).pixels[0];
             let expected = FACTOR * quadrature(points);
             let what = format!("{pattern}, {rays} rays, {sampler}: {pixel:?} for {expected}");
             assert!((pixel.mean[0] / expected - 1.0).abs() < 1e-5, "{what}");
@@ -301,7 +301,7 @@ fn every_point_of_a_grid_meets_every_light() {
         scene.render.sampler = sampler;
         scene.render.light_selection = LightSelection::Uniform;
         scene.render.spp = 1 << 14;
-        let film = render(&context, scene);
+        let film = render(context, scene);
         assert_pixel(&film, expected, &format!("grid over two lights, {sampler}"));
     }
 }
@@ -322,7 +322,7 @@ fn cut_loops_lose_no_shadow_ray() {
         scene.lights.push(light(2.0));
         scene.render.light_selection = selection;
         let prepared = prepared(scene);
-        let mut session = Session::new(&context, &prepared, prepared.scene.film, 0).unwrap();
+        let mut session = Session::new(context, &prepared, prepared.scene.film, 0).unwrap();
         session.pass(256, || false).unwrap();
         let (film, _) = session.snapshot().unwrap();
         let pixel = &film.pixels[0];
@@ -331,7 +331,7 @@ fn cut_loops_lose_no_shadow_ray() {
         let expected = 0.5 / PI * 8.0 / 4.0;
         assert!((pixel.mean[0] / expected - 1.0).abs() < 1e-5, "{what}");
         assert!(pixel.m2[0].sqrt() < 1e-4 * expected, "{what}");
-        let limited = !direkt::gpu::doctor::loops::loop_budget(&context)
+        let limited = !direkt::gpu::doctor::loops::loop_budget(context)
             .unwrap()
             .is_unlimited();
         assert_eq!(session.dispatches > 1, limited, "{what}");

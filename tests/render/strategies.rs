@@ -68,7 +68,7 @@ fn strategies_agree_on_every_scene() {
         let films: Vec<_> = (71..)
             .zip(&all)
             .map(|(seed, prepared)| {
-                recorded_film(&context, prepared, (FILM, seed, SAMPLES), Part::Reflected)
+                recorded_film(context, prepared, (FILM, seed, SAMPLES), Part::Reflected)
             })
             .collect();
         for i in 0..films.len() {
@@ -114,7 +114,7 @@ fn light_selection_does_not_change_the_mean() {
             selections.map(|selection| Prepared::new(scene.clone(), Strategy::MisPower, selection));
         let films = [0, 1, 2, 3].map(|i| {
             let run = (FILM, 80 + i as u32, SAMPLES);
-            recorded_film(&context, &all[i], run, Part::Reflected)
+            recorded_film(context, &all[i], run, Part::Reflected)
         });
         for i in [1, 2, 3] {
             let what = format!(
@@ -138,13 +138,13 @@ fn shadow_rays_do_not_change_the_mean() {
     scenes.push(("glossy floor".to_owned(), glossy_floor()));
     for (name, scene) in scenes {
         let one = Prepared::new(scene.clone(), Strategy::MisPower, LightSelection::Power);
-        let film = recorded_film(&context, &one, (FILM, 85, SAMPLES), Part::Reflected);
+        let film = recorded_film(context, &one, (FILM, 85, SAMPLES), Part::Reflected);
         for pattern in [ShadowPattern::Random, ShadowPattern::Stratified] {
             let mut scene = scene.clone();
             scene.render.shadow_rays = 4;
             scene.render.shadow_pattern = pattern;
             let four = Prepared::new(scene, Strategy::MisPower, LightSelection::Power);
-            let of_four = recorded_film(&context, &four, (FILM, 86, SAMPLES), Part::Reflected);
+            let of_four = recorded_film(context, &four, (FILM, 86, SAMPLES), Part::Reflected);
             let what = format!("{name}, 1 and 4 {pattern} rays, {}", context.adapter.name);
             accept_means(same_means(&of_four, &film), &what);
             if pattern == ShadowPattern::Random {
@@ -188,7 +188,7 @@ fn lights_of_very_different_power_have_the_same_mean_under_every_selection() {
             scene.render.light_sampling = LightSampling::Area;
             scene
         });
-        let films = scenes.clone().map(|scene| render(&context, scene));
+        let films = scenes.clone().map(|scene| render(context, scene));
         let what = format!(
             "1 : 1e6, {strategy}, uniform and power, {}",
             context.adapter.name
@@ -201,7 +201,7 @@ fn lights_of_very_different_power_have_the_same_mean_under_every_selection() {
             Some(BrokenTwin::WrongMeasure),
         );
         survive(
-            &context,
+            context,
             Measured {
                 entry: "M2",
                 case: &format!("lights of 1 and 10⁶, chosen alike and by power, {strategy}"),
@@ -237,7 +237,7 @@ fn cornells_image_mean_is_the_reference_mean() {
     cornell.render.spp = 32;
     cornell.render.strategy = Strategy::LightArea;
     let context = context();
-    let film = render(&context, cornell.clone());
+    let film = render(context, cornell.clone());
     let what = format!("cornell.toml, Mitsuba's mean, {}", context.adapter.name);
     let test = |film: &_| exact_means(film, exact, 5e-6);
     accept_means(test(&film), &what);
@@ -278,7 +278,7 @@ fn a_furnace_is_as_bright_everywhere() {
             scene.film = TWIN_FILM;
             scene.render.strategy = strategy;
             scene.render.spp = 256;
-            let film = render(&context, scene.clone());
+            let film = render(context, scene.clone());
             let what = format!(
                 "furnace {reflectance}, {strategy}, {}",
                 context.adapter.name

@@ -75,7 +75,7 @@ fn normal_maps_turn_with_the_tangents() {
         assert!(prepared(scene.clone()).effects.contains(Effect::Tangents));
         let expected = normal.normalize().dot(towards);
         assert_pixel(
-            &render(&context, scene),
+            &render(context, scene),
             expected,
             &format!("{tangent}, {sense}"),
         );

@@ -94,12 +94,12 @@ fn every_strategy_finds_the_exact_values_and_no_others() {
         brighten(&mut brighter, 1.02);
         for strategy in STRATEGIES {
             scene.render.strategy = strategy;
-            let exact = check(&render(&context, scene.clone()), &scene);
+            let exact = check(&render(context, scene.clone()), &scene);
             if !exact.passed {
                 wrong.push(format!("{name}, {strategy}: {exact:?}"));
             }
             brighter.render.strategy = strategy;
-            let film = render(&context, brighter.clone());
+            let film = render(context, brighter.clone());
             let passed = check(&film, &brighter).passed;
             renders += 1;
             rejected += usize::from(!passed);

@@ -45,7 +45,7 @@ fn pixels_and_means_are_the_twins() {
     for (name, scene) in scenes {
         for strategy in KINDS_OF_STRATEGIES {
             let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
-            let recorder = Recorder::new(&context, &prepared, FILM, 60).unwrap();
+            let recorder = Recorder::new(context, &prepared, FILM, 60).unwrap();
             let records: Vec<_> = (0..SAMPLES).map(|i| recorder.samples(i).unwrap()).collect();
             let against = |broken: Option<BrokenTwin>| {
                 let twin = Twin::new(&prepared, FILM, 61, broken);

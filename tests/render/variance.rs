@@ -71,7 +71,7 @@ fn variance_is_the_exact_one_over_the_number_of_samples() {
         let mut scene = square_over_floor();
         scene.render.spp = spp;
         scene.render.seed = spp as u32;
-        render(&context, scene)
+        render(context, scene)
     });
     for (film, spp) in films.iter().zip(LEVELS) {
         let what = format!(
@@ -111,7 +111,7 @@ fn the_variance_of_every_strategy_falls_with_the_number_of_samples() {
             scene.render.strategy = strategy;
             scene.render.spp = spp;
             scene.render.seed = 50 + spp as u32;
-            render(&context, scene)
+            render(context, scene)
         };
         let [first, last] = [LEVELS[0], LEVELS[2]].map(film);
         if strategy == Strategy::LightProjectedSolidAngle {
@@ -177,7 +177,7 @@ fn projected_solid_angle_leaves_no_variance() {
         let relative = |strategy: Strategy| {
             let mut scene = scene.clone();
             scene.render.strategy = strategy;
-            let pixel = render(&context, scene).pixels[0];
+            let pixel = render(context, scene).pixels[0];
             (pixel.m2[0] / 255.0).sqrt() / pixel.mean[0]
         };
         let projected = relative(Strategy::LightProjectedSolidAngle);

@@ -505,6 +505,6 @@ fn models_are_the_twins() {
         assert!(prepared.effects.contains(effect), "{effect:?}");
     }
     let twin = twin_film(&prepared, (size, 17, 256), Part::All, None);
-    let gpu = recorded_film(&context(), &prepared, (size, 18, 256), Part::All);
+    let gpu = recorded_film(context(), &prepared, (size, 18, 256), Part::All);
     accept_means(same_means(&gpu, &twin), "models of glTF");
 }

@@ -1,5 +1,6 @@
 //! What several tests share.
 
+mod device;
 #[cfg(feature = "window")]
 pub mod display;
 pub mod every_kind;
@@ -12,7 +13,8 @@ pub mod shader;
 pub mod statistics;
 pub mod twin;
 
-use direkt::gpu::{Context, Kernels};
+pub use device::context;
+use direkt::gpu::Context;
 use direkt::render::{Film, Prepared, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
@@ -21,7 +23,6 @@ use direkt::scene::{
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 /// All strategies.
@@ -47,13 +48,6 @@ pub fn at_exit(last: extern "C" fn()) {
     }
     // SAFETY: `last` is an `extern "C"` function without arguments, as the C library's atexit asks.
     unsafe { atexit(last) };
-}
-
-/// The adapter under test. No adapter is a failure.
-pub fn context() -> Context {
-    Context::new(None).unwrap_or_else(|e| {
-        panic!("the tests need a GPU adapter, run them by `./lavapipe cargo test --release`: {e}")
-    })
 }
 
 /// A folder or file of the project.
@@ -127,11 +121,6 @@ pub fn prepared(scene: Scene) -> Prepared {
     Prepared::new(scene, settings.strategy, settings.light_selection)
 }
 
-thread_local! {
-    /// The kernels of the device that this test renders on: compiling is most of the time of small renders.
-    static KERNELS: RefCell<Kernels> = RefCell::default();
-}
-
 /// Renders `scene` with its own settings.
 pub fn render(context: &Context, scene: Scene) -> Film {
     render_prepared(context, &prepared(scene))
@@ -140,9 +129,7 @@ pub fn render(context: &Context, scene: Scene) -> Film {
 /// Renders a prepared scene by its own settings.
 pub fn render_prepared(context: &Context, prepared: &Prepared) -> Film {
     let (film, settings) = (prepared.scene.film, prepared.scene.render);
-    let mut session = KERNELS.with_borrow_mut(|kernels| {
-        Session::with_kernels(context, prepared, film, settings.seed, kernels).unwrap()
-    });
+    let mut session = Session::new(context, prepared, film, settings.seed).unwrap();
     take(&mut session, settings.spp);
     session.snapshot().unwrap().0
 }

@@ -9,7 +9,7 @@ use crate::gpu::kernel::{DIRECT, SceneKernel};
 use crate::gpu::layout::{Dispatch, Frame, TILE, TILE_PIXELS};
 use crate::gpu::scene_buffers::{self, SceneBuffers};
 use crate::gpu::shader::Config;
-use crate::gpu::{Context, GpuBuffer, Kernels};
+use crate::gpu::{Context, GpuBuffer};
 use crate::render::film::Film;
 use crate::render::memory;
 use crate::render::prepare::{Patterns, Prepared};
@@ -26,24 +26,22 @@ const SOFTWARE_DISPATCH: Duration = Duration::from_millis(250);
 const FIRST_BUDGET: u64 = 1 << 15;
 
 /// What two sessions of one scene may differ in.
-struct Build<'k> {
+struct Build {
     region_tiles: u32,
     stamp: u32,
-    kernels: Option<&'k mut Kernels>,
 }
 
-impl Default for Build<'_> {
+impl Default for Build {
     fn default() -> Self {
         Self {
             region_tiles: REGION_TILES,
             stamp: Config::default().stamp,
-            kernels: None,
         }
     }
 }
 
 impl<'a> Session<'a> {
-    /// Compiles the kernel and uploads the scene.
+    /// Compiles the kernel, unless the device has it already, and uploads the scene.
     ///
     /// # Errors
     /// The scene is too large for the adapter, the kernel does not compile, or the driver fails.
@@ -74,24 +72,6 @@ impl<'a> Session<'a> {
         Self::build(context, prepared, film, seed, build)
     }
 
-    /// The same with a kernel of `kernels`, where they have the one that is needed; they keep it otherwise.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub fn with_kernels(
-        context: &'a Context,
-        prepared: &Prepared,
-        film: FilmSize,
-        seed: u32,
-        kernels: &mut Kernels,
-    ) -> Result<Self, GpuError> {
-        let build = Build {
-            kernels: Some(kernels),
-            ..Build::default()
-        };
-        Self::build(context, prepared, film, seed, build)
-    }
-
     /// The same with `region_tiles` tiles at most in one region, which does not change the image.
     ///
     /// # Errors
@@ -115,7 +95,7 @@ impl<'a> Session<'a> {
         prepared: &Prepared,
         film: FilmSize,
         seed: u32,
-        build: Build<'_>,
+        build: Build,
     ) -> Result<Self, GpuError> {
         memory::check(context, prepared, film)?;
         let buffers = SceneBuffers::new(context, prepared)?;
@@ -124,9 +104,10 @@ impl<'a> Session<'a> {
             stamp: build.stamp,
             ..Config::of(prepared)
         };
-        let kernel = match build.kernels {
-            Some(kernels) => kernels.get(context, &DIRECT, &prepared.effects, config),
-            None => SceneKernel::new(context, &DIRECT, &prepared.effects, config),
+        let kernel = if build.stamp == Config::default().stamp {
+            context.kernel(&DIRECT, &prepared.effects, config)
+        } else {
+            SceneKernel::new(context, &DIRECT, &prepared.effects, config)
         }?;
         let device = &context.device;
         let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;

@@ -106,7 +106,7 @@ fn the_fits_are_the_twins() {
             .flat_map(move |&a| COSINES.map(move |b| [alpha, a, b]))
     });
     let inputs: Vec<f64> = triples.flatten().map(|x| f64::from(x as f32)).collect();
-    let answers = call(&context(), &function, &words(&inputs));
+    let answers = call(context(), &function, &words(&inputs));
     for (i, input) in inputs.chunks(3).enumerate() {
         let [alpha, a, b] = [input[0], input[1], input[2]];
         let fresnel = Fresnel::Schlick {

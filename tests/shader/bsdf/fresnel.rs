@@ -47,7 +47,7 @@ fn dielectrics_reflect_as_the_twin() {
         .iter()
         .flat_map(|&eta| cosines.map(|cos| [f32_of(cos), f32_of(eta)]));
     let inputs: Vec<f64> = pairs.flatten().collect();
-    let answers = call(&context(), &DIELECTRIC, &words(&inputs));
+    let answers = call(context(), &DIELECTRIC, &words(&inputs));
     for (input, (r, t)) in inputs.chunks(2).zip(answers.f64(0).zip(answers.f64(1))) {
         let expected = fresnel_dielectric(input[0], input[1]);
         let squared = expected.eta_cos_t * expected.eta_cos_t;
@@ -86,7 +86,7 @@ fn equal_indices_reflect_nothing() {
         (0.1, 1.0 / 1.5, 1.0, 0.0),
     ];
     let inputs: Vec<f64> = cases.iter().flat_map(|c| [c.0, c.1]).collect();
-    let answers = call(&context(), &DIELECTRIC, &words(&inputs));
+    let answers = call(context(), &DIELECTRIC, &words(&inputs));
     for ((cos, eta, expected, bound), r) in cases.iter().zip(answers.f64(0)) {
         assert!(
             (r - expected).abs() <= *bound,
@@ -122,14 +122,14 @@ fn all_but_equal_indices_reflect_what_they_should() {
     let cosines: Vec<f64> = (1..=9).map(|i| f32_of(0.1 * f64::from(i))).collect();
     let eta = f32_of(1.000_001);
     let inputs: Vec<f64> = cosines.iter().flat_map(|cos| [*cos, eta]).collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let worst = |output: usize| {
         let found = answers.f64(output).zip(&cosines);
         let off = found.map(|(r, cos)| (r / fresnel_dielectric(*cos, eta).reflectance - 1.0).abs());
         off.fold(0.0, f64::max)
     };
     survive(
-        &context,
+        context,
         Measured {
             entry: "B4",
             case: "the boundary of media whose indices differ by 1e-6",
@@ -171,7 +171,7 @@ fn conductors_reflect_as_the_twin() {
         .flat_map(|(cos, eta, k)| [vec![*cos], eta.to_array().into(), k.to_array().into()])
         .flatten()
         .collect();
-    let answers = call(&context(), &function, &words(&inputs));
+    let answers = call(context(), &function, &words(&inputs));
     let found = answers.vec3(0).zip(answers.vec3(3));
     for ((cos, eta, k), (r, schlick)) in cases.iter().zip(found) {
         let rounded = |v: DVec3| DVec3::from_array(v.to_array().map(f32_of));

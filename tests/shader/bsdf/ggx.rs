@@ -56,7 +56,7 @@ fn ggx_values_are_the_twins() {
         let components: Vec<f64> = vectors.iter().flat_map(DVec3::to_array).collect();
         components.into_iter().chain([*alpha])
     });
-    let answers = call(&context, &function, &words(&inputs.collect::<Vec<_>>()));
+    let answers = call(context, &function, &words(&inputs.collect::<Vec<_>>()));
     for (item, &(wi, wo, h, alpha)) in cases.iter().enumerate() {
         let expected = [
             ggx_distribution(h, alpha),
@@ -98,7 +98,7 @@ fn the_distribution_does_not_cancel() {
         })
     });
     let (inputs, exact): (Vec<[f64; 4]>, Vec<f64>) = cases.unzip();
-    let answers = call(&context, &function, &words(inputs.as_flattened()));
+    let answers = call(context, &function, &words(inputs.as_flattened()));
     for (alpha, case) in [(1e-3, "α = 10⁻³"), (1e-4, "α = 10⁻⁴")] {
         let off = |word| {
             let of_alpha = answers.f64(word).zip(&exact).zip(&inputs);
@@ -106,7 +106,7 @@ fn the_distribution_does_not_cancel() {
             worst(of_alpha.map(|((found, exact), _)| (found / exact - 1.0).abs()))
         };
         survive(
-            &context,
+            context,
             Measured {
                 entry: "B1",
                 case: &format!("{case}, normals with tanθ/α of 0, ½, 1 and 3"),
@@ -158,7 +158,7 @@ fn visible_normals_are_the_twins() {
             let wo = direction(degrees, 0.7);
             let input = |u: &DVec2| [wo.x, wo.y, wo.z, alpha, u.x, u.y];
             let inputs: Vec<f64> = points.iter().flat_map(input).collect();
-            let answers = call(&context, &SAMPLE, &words(&inputs));
+            let answers = call(context, &SAMPLE, &words(&inputs));
             for (u, h) in points.iter().zip(answers.vec3(0)) {
                 let expected = sample_ggx_visible_normal(wo, alpha, *u);
                 let bound = sample_bound(wo, alpha, *u);
@@ -225,7 +225,7 @@ fn visible_normals_match_pdf() {
             let n = stretch(h, 1.0 / alpha);
             2.0 * s.dot(n) * n - s
         };
-        let samples: Vec<DVec3> = draw(&context, &function, 1 << 20)
+        let samples: Vec<DVec3> = draw(context, &function, 1 << 20)
             .vec3(0)
             .map(reflect)
             .collect();
@@ -301,7 +301,7 @@ fn visible_normals_integrate_to_one() {
             outputs: 3,
             features: &[],
         };
-        let answers = draw(&context, &function, 1 << 20);
+        let answers = draw(context, &function, 1 << 20);
         let rows: Vec<(f64, f64, f64)> = answers
             .f64(0)
             .zip(answers.f64(1).zip(answers.f64(2)))

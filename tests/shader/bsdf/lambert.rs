@@ -20,7 +20,7 @@ fn lambert_samples_are_the_twins() {
         outputs: 3,
         features: &[],
     };
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for (u, w) in points.iter().zip(answers.vec3(0)) {
         let expected = sample_lambert(*u);
         let off = (w - expected).truncate().length();
@@ -45,7 +45,7 @@ fn lambert_densities_and_values_are_the_twins() {
         outputs: 4,
         features: &[],
     };
-    let answers = call(&context, &function, &words(&cosines));
+    let answers = call(context, &function, &words(&cosines));
     let value = eval_lambert(DVec3::new(0.0, 0.5, 1.0));
     for ((cosine, pdf), f) in cosines.iter().zip(answers.f64(0)).zip(answers.vec3(1)) {
         let expected = pdf_lambert(f64::from(*cosine as f32)).0;
@@ -68,7 +68,7 @@ fn lambert_samples_match_pdf() {
         outputs: 3,
         features: &[],
     };
-    let answers = draw(&context, &function, 1 << 20);
+    let answers = draw(context, &function, 1 << 20);
     let samples: Vec<DVec3> = answers.vec3(0).collect();
     let pdf = |w: DVec3| pdf_lambert(w.z).0;
     let what = format!("sample_lambert, seed 6, {}", context.adapter.name);

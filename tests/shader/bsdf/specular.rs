@@ -136,7 +136,7 @@ fn ways_are_the_twins() {
             [material_words(m), wo.to_array().into(), vec![*front, *u]].concat()
         })
         .collect();
-    let answers = call(&context(), &function, &words(&inputs));
+    let answers = call(context(), &function, &words(&inputs));
     let found = answers.vec3(0).zip(answers.vec3(3).zip(answers.u32(6)));
     let mut seen = [0; 3];
     for ((m, wo, front, u), (wi, (weight, found))) in cases.iter().zip(found) {
@@ -181,7 +181,7 @@ fn drawn(m: &BsdfParameters, degrees: f64, front: bool, seed: u32) -> Answers {
         outputs: 4,
         features: FEATURES,
     };
-    draw(&context(), &function, 1 << 18)
+    draw(context(), &function, 1 << 18)
 }
 
 /// In the mean, what goes each way is what Fresnel's equations let go there: with the weight of a way counted in its samples

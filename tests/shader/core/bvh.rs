@@ -53,7 +53,7 @@ fn enter(grid: Grid, cases: &[Case]) -> Vec<Option<f64>> {
         inputs.extend(words(&[case.t_max]));
     }
     let context = context();
-    let answers = call(&context, &ENTER, &inputs);
+    let answers = call(context, &ENTER, &inputs);
     let result = answers.f64(0).map(|t| {
         assert!(t.is_finite() && t >= 0.0, "{}: {t}", context.adapter.name);
         (t < T_MAX).then_some(t)
@@ -209,7 +209,7 @@ fn axis_parallel_rays_meet_what_they_touch() {
         naive += usize::from(textbook_slabs(ray, low, high) != meets);
     }
     survive(
-        &context(),
+        context(),
         Measured {
             entry: "G6",
             case: "rays in faces, along edges, parallel inside and outside, 288 in all",
@@ -269,7 +269,7 @@ fn references_to_leaves_are_the_builds() {
             [LEAF | (count - 1) << 28 | first, a, b]
         })
         .collect();
-    let answers = call(&context, &function, &inputs);
+    let answers = call(context, &function, &inputs);
     for (i, &(count, first, a, b)) in cases.iter().enumerate() {
         let word = |w: usize| answers.u32(w).nth(i);
         assert_eq!((word(0), word(1)), (Some(first), Some(count)));

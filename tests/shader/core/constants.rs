@@ -20,7 +20,7 @@ fn constants_are_the_nearest_f32() {
         outputs: 6,
         features: &[],
     };
-    let answers = draw(&context, &function, 1);
+    let answers = draw(context, &function, 1);
     let numbers = [
         PI,
         std::f32::consts::FRAC_1_PI,

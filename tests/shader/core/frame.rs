@@ -50,7 +50,7 @@ fn frames_are_the_twins_and_orthonormal() {
     };
     let normals = normals();
     let inputs: Vec<f64> = normals.iter().flat_map(|n| n.to_array()).collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let axes = answers.vec3(0).zip(answers.vec3(3)).zip(answers.vec3(6));
     for (n, ((x, y), z)) in normals.iter().zip(axes) {
         let what = format!("{}: {n}", context.adapter.name);
@@ -86,7 +86,7 @@ fn changes_of_frame_are_the_twins() {
         .map(|_| std::array::from_fn(|_| random.in_cube()))
         .collect();
     let inputs: Vec<f64> = cases.iter().flatten().flat_map(|v| v.to_array()).collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for (&[x, y, z, v], (local, world)) in cases.iter().zip(answers.vec3(0).zip(answers.vec3(3))) {
         let frame = ShadingFrame { x, y, z };
         let magnitudes = ShadingFrame {

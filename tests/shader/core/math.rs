@@ -33,7 +33,7 @@ fn sines_and_cosines_are_the_twins() {
     cases.extend((0..100_000).map(|_| [random.between(-octant, octant), random.uniform()]));
     let rounded = |x: f64| f64::from(x as f32);
     let inputs: Vec<f64> = cases.iter().flatten().copied().collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for ((case, of_octant), of_turn) in cases.iter().zip(answers.vec2(0)).zip(answers.vec2(2)) {
         let [x, u] = case.map(rounded);
         let what = format!("{}: {x}, {u}", context.adapter.name);
@@ -92,7 +92,7 @@ fn angles_are_the_twins() {
         cases.push([d.x, d.y]);
     }
     let inputs: Vec<f64> = cases.iter().flatten().copied().collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for ([y, x], angle) in cases.iter().zip(answers.f64(0)) {
         let expected = angle_of(*y, *x);
         let bound = match expected.abs() / FRAC_PI_4 {
@@ -131,7 +131,7 @@ fn squares_of_half_angles_are_the_twins() {
         .iter()
         .flat_map(|x| [x.cos(), x.sin().powi(2)])
         .collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for ((angle, given), found) in angles
         .iter()
         .zip(inputs.chunks_exact(2))
@@ -174,7 +174,7 @@ fn high_words_of_products_are_bit_identical() {
         .map(|_| [random.word(), random.word()])
         .collect();
     let inputs: Vec<u32> = pairs.chain(drawn).flatten().collect();
-    let answers = call(&context, &function, &inputs);
+    let answers = call(context, &function, &inputs);
     for (pair, high) in inputs.chunks_exact(2).zip(answers.u32(0)) {
         assert_eq!(high, multiply_high(pair[0], pair[1]), "{pair:?}");
     }
@@ -205,7 +205,7 @@ fn luminance_and_largest_component_are_the_twins() {
             .as_dvec3()
     }));
     let inputs: Vec<f64> = cases.iter().flat_map(|v| v.to_array()).collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for ((v, grey), largest) in cases.iter().zip(answers.f64(0)).zip(answers.f64(1)) {
         assert_near(grey, luminance(*v), 4.0 * U * luminance(v.abs()), v);
         assert_eq!(largest, max_abs(*v), "{v}");

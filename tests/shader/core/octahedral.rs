@@ -34,7 +34,7 @@ fn vectors_are_the_twins() {
         .map(|n| octahedral(*n).as_vec2().as_dvec2())
         .collect();
     let inputs: Vec<f64> = encoded.iter().flat_map(|p| p.to_array()).collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for ((p, n), got) in encoded.iter().zip(&normals).zip(answers.vec3(0)) {
         let what = format!("{}: {n}", context.adapter.name);
         assert_all_near(got, from_octahedral(*p), 4.0 * U, &what);

@@ -33,7 +33,7 @@ fn densities_are_converted_like_the_twins() {
         [pdf, distance_squared, random.uniform(), random.uniform()]
     }));
     let inputs: Vec<f64> = cases.iter().flatten().copied().collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let results = answers.f64(0).zip(answers.f64(1));
     for (&[pdf, distance_squared, cos, choice], (there, with_choice)) in cases.iter().zip(results) {
         let what = format!(
@@ -88,7 +88,7 @@ fn power_heuristic_is_the_twins_at_every_magnitude() {
         .map(|c| c.map(|x| f64::from(x as f32)))
         .collect();
     let inputs: Vec<f64> = cases.iter().flatten().copied().collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let sum_is_one = |a: f64, b: f64| (a + b - 1.0).abs() <= 1e-6;
     for (&[a, b], (of_a, of_b)) in cases.iter().zip(answers.f64(0).zip(answers.f64(1))) {
         let what = format!("{}: {a} {b}", context.adapter.name);
@@ -114,7 +114,7 @@ fn power_heuristic_is_the_twins_at_every_magnitude() {
         pairs.count() as f64
     };
     survive(
-        &context,
+        context,
         Measured {
             entry: "M1",
             case: "100,060 pairs of densities from 10⁻²⁵ to 10³⁰",

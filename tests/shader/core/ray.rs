@@ -38,7 +38,7 @@ fn ray_frames_are_orthonormal_around_the_direction() {
         }
     }
     let inputs: Vec<f64> = rays.iter().flatten().flat_map(|v| v.to_array()).collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let axes = answers.vec3(6).zip(answers.vec3(9));
     for ((&[_, d], (x, y)), inverse) in rays.iter().zip(axes).zip(answers.f64(12)) {
         let what = format!("{}: {d}", context.adapter.name);
@@ -79,7 +79,7 @@ fn projections_are_along_the_ray() {
         })
         .collect();
     let inputs: Vec<f64> = cases.iter().flatten().flat_map(|v| v.to_array()).collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for (&[origin, x, y, p], got) in cases.iter().zip(answers.vec2(0)) {
         let q = p - origin;
         let on = |axis: DVec3| (q.dot(axis), 4.0 * U * q.abs().dot(axis.abs()));
@@ -118,7 +118,7 @@ fn edge_functions_never_have_the_wrong_sign() {
     }
     cases.push([DVec2::ZERO, DVec2::ONE]);
     let inputs: Vec<f64> = cases.iter().flatten().flat_map(|v| v.to_array()).collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let (mut zeros, mut fused_differs) = (0, 0);
     for (&[p, q], (forth, back)) in cases.iter().zip(answers.f64(0).zip(answers.f64(1))) {
         let what = format!("{}: {p} {q}", context.adapter.name);

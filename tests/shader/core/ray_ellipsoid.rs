@@ -31,7 +31,7 @@ fn rotations_are_the_twins() {
         .iter()
         .flat_map(|(g, v)| [g.to_array(), v.to_array()].concat())
         .collect();
-    let answers = call(&context(), &function, &words(&inputs));
+    let answers = call(context(), &function, &words(&inputs));
     for ((g, v), (there, back)) in cases.iter().zip(answers.vec3(0).zip(answers.vec3(3))) {
         let bound = 16.0 * U * v.length();
         assert_all_near(there, rotation(*g) * *v, bound, format!("{g} {v}"));
@@ -147,7 +147,7 @@ const IN_SPHERES_SPACE: Function<'_> = Function {
 /// at points that do not lie there; and how many of all were hit.
 fn mistakes(function: &Function<'_>, cases: &[Case]) -> (usize, usize) {
     let inputs: Vec<u32> = cases.iter().flat_map(Case::words).collect();
-    let answers = call(&context(), function, &inputs);
+    let answers = call(context(), function, &inputs);
     let roots = answers.f64(1).zip(answers.f64(2));
     let points = answers.vec3(3).zip(answers.vec3(6));
     let found = answers.u32(0).zip(roots.zip(points));
@@ -218,7 +218,7 @@ fn special_positions_of_ellipsoids_are_right() {
         (special(center + 1e18 * y, x), None),
     ];
     let inputs: Vec<u32> = rows.iter().flat_map(|(case, _)| case.words()).collect();
-    let answers: Answers = call(&context(), &INTERSECT, &inputs);
+    let answers: Answers = call(context(), &INTERSECT, &inputs);
     let roots = answers.f64(1).zip(answers.f64(2));
     for ((case, expected), (exists, roots)) in rows.iter().zip(answers.u32(0).zip(roots)) {
         assert!(roots.0.is_finite() && roots.1.is_finite(), "{case:?}");
@@ -252,7 +252,7 @@ fn normals_are_the_twins() {
             })
             .collect();
         let inputs: Vec<f64> = cases.iter().flatten().flat_map(|v| v.to_array()).collect();
-        let answers = call(&context(), &function, &words(&inputs));
+        let answers = call(context(), &function, &words(&inputs));
         for ([radii, rodrigues, p], normal) in cases.iter().zip(answers.vec3(0)) {
             let axes = PrincipalAxes {
                 radii: *radii,

@@ -94,7 +94,7 @@ fn compare(
 ) {
     let context = context();
     let cases = random_cases(22, 100_000);
-    let answers = intersect(&context, shape, &cases);
+    let answers = intersect(context, shape, &cases);
     let mut compared = [0, 0];
     for (case, got) in cases.iter().zip(hits(&answers)) {
         let what = format!("{}: {shape} {case:?}: {got:?}", context.adapter.name);
@@ -166,7 +166,7 @@ fn degenerate_primitives_give_finite_hits() {
         .filter(|c| c[1].length() > 1e-15)
         .collect();
     for shape in ["triangle", "rectangle", "disk"] {
-        let answers = intersect(&context, shape, &cases);
+        let answers = intersect(context, shape, &cases);
         for (case, got) in cases.iter().zip(hits(&answers)) {
             let what = format!("{}: {shape} {case:?}: {got:?}", context.adapter.name);
             assert!(got.t.is_finite() && got.st.is_finite(), "{what}");

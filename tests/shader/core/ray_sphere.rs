@@ -104,7 +104,7 @@ fn sphere_intersections_are_the_twins() {
     let context = context();
     let cases = cases();
     let inputs: Vec<u32> = cases.iter().flat_map(Case::words).collect();
-    let answers = call(&context, &INTERSECT, &inputs);
+    let answers = call(context, &INTERSECT, &inputs);
     let roots = answers.f64(1).zip(answers.f64(2));
     let mut compared = [0, 0];
     for (case, (exists, (near, far))) in cases.iter().zip(answers.u32(0).zip(roots)) {
@@ -152,7 +152,7 @@ const TEXTBOOK: Function<'_> = Function {
 /// units of its bound.
 fn mistakes(function: &Function<'_>, cases: &[Case]) -> (f64, f64) {
     let inputs: Vec<u32> = cases.iter().flat_map(Case::words).collect();
-    let answers = call(&context(), function, &inputs);
+    let answers = call(context(), function, &inputs);
     let (mut wrong, mut largest) = (0.0, 0.0_f64);
     for (case, (exists, near)) in cases.iter().zip(answers.u32(0).zip(answers.f64(1))) {
         let (square, off_square, [off_near, _]) = case.bounds();
@@ -199,7 +199,7 @@ fn distant_spheres_are_hit_where_they_are() {
         ),
     ] {
         survive(
-            &context(),
+            context(),
             Measured {
                 entry: "G8",
                 case,
@@ -236,7 +236,7 @@ fn special_positions_of_spheres_are_right() {
         (point, Some((1.0, 1.0))),
     ];
     let inputs: Vec<u32> = rows.iter().flat_map(|(case, _)| case.words()).collect();
-    let answers = call(&context, &INTERSECT, &inputs);
+    let answers = call(context, &INTERSECT, &inputs);
     let roots = answers.f64(1).zip(answers.f64(2));
     for ((case, expected), (exists, roots)) in rows.iter().zip(answers.u32(0).zip(roots)) {
         assert!(roots.0.is_finite() && roots.1.is_finite());

@@ -38,7 +38,7 @@ fn hashes_are_bit_identical() {
             inputs.push(input);
         }
     }
-    let answers = call(&context(), &PCG4D, inputs.as_flattened());
+    let answers = call(context(), &PCG4D, inputs.as_flattened());
     for word in 0..4 {
         for (input, got) in inputs.iter().zip(answers.u32(word)) {
             assert_eq!(got, pcg4d(*input)[word], "word {word} of {input:x?}");
@@ -71,7 +71,7 @@ fn units_are_bit_identical_and_below_one() {
     ];
     let mut inputs: Vec<[u32; 2]> = edges.iter().map(|&x| [x, !x]).collect();
     inputs.extend((0..100_000).map(|_| [random.word(), random.word()]));
-    let answers = call(&context, &function, inputs.as_flattened());
+    let answers = call(context, &function, inputs.as_flattened());
     for (&[x, y], (one, two)) in inputs.iter().zip(answers.f64(0).zip(answers.vec2(1))) {
         assert_eq!(one, to_unit(x), "{}: {x:#x}", context.adapter.name);
         assert_eq!(two, to_unit_2d(x, y));
@@ -92,10 +92,10 @@ fn the_largest_words_are_below_one() {
         features: &[],
     };
     let inputs: Vec<u32> = (0xffff_ff00..=0xffff_ffff).collect();
-    let answers = call(&context, &function, &inputs);
+    let answers = call(context, &function, &inputs);
     let ones = |word| answers.f64(word).filter(|&x| x >= 1.0).count() as f64;
     survive(
-        &context,
+        context,
         Measured {
             entry: "S1",
             case: "the 256 largest words",
@@ -125,7 +125,7 @@ fn consecutive(place: usize) -> Answers {
         inputs: 0,
         ..PCG4D
     };
-    draw(&context(), &function, WORDS as usize)
+    draw(context(), &function, WORDS as usize)
 }
 
 /// A linear congruential generator that is seeded by the counter: HARD CASES A6 finds a correlation of 0.9977.

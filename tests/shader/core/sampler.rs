@@ -82,7 +82,7 @@ fn random_groups_are_bit_identical() {
         .iter()
         .flat_map(|&(id, group)| input(id, group))
         .collect();
-    let answers = call(&context, &RANDOM_GROUP, &inputs);
+    let answers = call(context, &RANDOM_GROUP, &inputs);
     for word in 0..4 {
         for (&(id, group), got) in asked.iter().zip(answers.u32(word)) {
             let expected = random_group(id, group)[word];
@@ -124,7 +124,7 @@ fn indices_advance_in_64_bits() {
         }
     }
     cases.extend((0..10_000).map(|_| std::array::from_fn(|_| random.word())));
-    let answers = call(&context, &function, cases.as_flattened());
+    let answers = call(context, &function, cases.as_flattened());
     for (&[low, high, offset], got) in cases.iter().zip(answers.u32(0).zip(answers.u32(1))) {
         let index = u64::from(high) << 32 | u64::from(low);
         let sum = index.wrapping_add(u64::from(offset));
@@ -153,7 +153,7 @@ fn parts_of_samples_follow_each_other() {
         let [pixel, low, high] = std::array::from_fn(|_| random.word());
         [pixel, low, high >> 12, random.word() % parts, parts]
     }));
-    let answers = call(&context(), &function, cases.as_flattened());
+    let answers = call(context(), &function, cases.as_flattened());
     let indices = answers.u32(1).zip(answers.u32(2));
     for (&[pixel, low, high, part, parts], (found_low, found_high)) in cases.iter().zip(indices) {
         let id = SampleId {
@@ -186,7 +186,7 @@ fn groups_have_the_twins_numbers() {
         outputs: 5,
         features: &[],
     };
-    let answers = draw(&context(), &function, 1);
+    let answers = draw(context(), &function, 1);
     let found = [0, 1, 2, 3, 4].map(|i| answers.u32(i).next());
     assert_eq!(found, ALL_GROUPS.map(Some));
 }
@@ -205,7 +205,7 @@ fn samples(id: &str, group: u32) -> Vec<Vec<f64>> {
         inputs: 0,
         ..RANDOM_GROUP
     };
-    let answers = draw(&context(), &function, 1 << 20);
+    let answers = draw(context(), &function, 1 << 20);
     let word = |w| answers.u32(w).map(to_unit).collect();
     (0..4).map(word).collect()
 }

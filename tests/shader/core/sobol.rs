@@ -33,7 +33,7 @@ fn integers_are_bit_identical() {
         outputs: 4,
         ..POINT
     };
-    let answers = call(&context(), &function, &inputs);
+    let answers = call(context(), &function, &inputs);
     for word in 0..4 {
         let twins = items.iter().map(|&[index, a, b, c]| match word {
             2 => sobol_second_reversed(index),
@@ -55,7 +55,7 @@ fn every_block_is_a_net() {
         let inputs: Vec<u32> = (0..1 << BITS)
             .flat_map(|i| [(block << BITS) + i, seeds[0], seeds[1], seeds[2]])
             .collect();
-        let answers = call(&context, &POINT, &inputs);
+        let answers = call(context, &POINT, &inputs);
         let points: Vec<(u32, u32)> = answers.u32(0).zip(answers.u32(1)).collect();
         for k in 0..=BITS {
             let mut hits = vec![0; 1 << BITS];
@@ -82,7 +82,7 @@ fn a_point_of_many_scramblings_is_uniform() {
                 [5, a, b, c]
             })
             .collect();
-        let answers = call(&context, &POINT, &inputs);
+        let answers = call(context, &POINT, &inputs);
         let mut observed = vec![0_u64; (CELLS * CELLS) as usize];
         let cell = |x: u32| ((u64::from(x) * u64::from(CELLS)) >> 32) as usize;
         for (x, y) in answers.u32(0).zip(answers.u32(1)) {

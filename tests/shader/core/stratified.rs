@@ -26,7 +26,7 @@ fn every_cell_holds_one_point() {
             .map(|i| [i, bits[0], bits[1], seed, random.word(), random.word()])
             .collect();
         let inputs: Vec<u32> = items.iter().flatten().copied().collect();
-        let answers = call(&context, &function, &inputs);
+        let answers = call(context, &function, &inputs);
         let mut hits = vec![0; cells as usize];
         for (item, (x, y)) in items.iter().zip(answers.u32(0).zip(answers.u32(1))) {
             let expected = stratified_2d(item[0], bits, seed, [item[4], item[5]]);

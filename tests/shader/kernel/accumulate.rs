@@ -34,7 +34,7 @@ fn accumulated(blocks: &[Vec<[f32; 3]>]) -> Answers {
             block.as_flattened().iter().map(|x| x.to_bits())
         })
         .collect();
-    call(&context(), &function, &words)
+    call(context(), &function, &words)
 }
 
 /// The finite samples' moments of one channel.
@@ -123,7 +123,7 @@ fn variance_survives_a_large_mean() {
         let mean = sum / 256.0;
         let textbook = f64::from(squares / 256.0 - mean * mean);
         survive(
-            &context(),
+            context(),
             Measured {
                 entry: "A3",
                 case: &format!(
@@ -188,7 +188,7 @@ fn samples_that_are_no_numbers_are_dropped_and_entered() {
     let poisoned = blocks.iter().map(running_mean);
     let poisoned = poisoned.filter(|m| !finite(f64::from(*m))).count();
     survive(
-        &context(),
+        context(),
         Measured {
             entry: "A4",
             case: "seven pixels, in six of them samples that are NaN or infinite",

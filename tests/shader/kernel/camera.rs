@@ -94,7 +94,7 @@ fn camera_rays_are_the_twins() {
             scene.film = FilmSize { width, height };
             let prepared = prepared(scene.clone());
             let points = points(scene.film);
-            let worst = worst(&rays(&context, &prepared, &points), &points, &prepared);
+            let worst = worst(&rays(context, &prepared, &points), &points, &prepared);
             assert!(
                 worst.iter().all(|w| *w <= 1.0),
                 "{}, {name}, {width} x {height}: {worst:?} of the bounds",
@@ -130,7 +130,7 @@ fn lenses_and_projections_are_the_twins() {
             );
             let prepared = prepared(scene);
             let points = points(prepared.scene.film);
-            let rays = rays(&context, &prepared, &points);
+            let rays = rays(context, &prepared, &points);
             let found = worst(&rays, &points, &prepared);
             assert!(found.iter().all(|w| *w <= 1.0), "{what}: {found:?}");
             let broken = |change: &dyn Fn(&mut direkt::scene::Camera)| {

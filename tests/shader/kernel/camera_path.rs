@@ -58,7 +58,7 @@ fn rays_go_on_as_the_twins() {
             outputs: 6,
             ..Function::default()
         };
-        let answers = call_in(&context(), &prepared, &function, &[], 1);
+        let answers = call_in(context(), &prepared, &function, &[], 1);
         let expected = ray_onwards(&s, wi, transmitted);
         let (origin, direction) = (
             answers.vec3(0).next().unwrap(),
@@ -85,7 +85,7 @@ fn what_is_seen_in_mirrors_does_not_depend_on_the_strategy() {
         let mut scene = scene(&format!("scenes/tests/{name}.toml"));
         let mut film = |strategy: Strategy| {
             scene.render.strategy = strategy;
-            let mean = render(&context(), scene.clone()).mean();
+            let mean = render(context(), scene.clone()).mean();
             DVec3::from(mean)
         };
         let first = film(Strategy::Bsdf);

@@ -23,7 +23,7 @@ fn tiles_cover_every_pixel_once() {
         };
         let tiles = width.div_ceil(TILE) * height.div_ceil(TILE);
         let count = (tiles * TILE_PIXELS) as usize;
-        let answers = call_in(&context, &prepared, &function, &[], count);
+        let answers = call_in(context, &prepared, &function, &[], count);
         let mut times = vec![0_u32; (width * height) as usize];
         for (item, (x, y)) in (0..).zip(answers.u32(0).zip(answers.u32(1))) {
             let (dx, dy) = lane_pixel(item % TILE_PIXELS);

@@ -30,7 +30,7 @@ fn albedo_is_the_twins() {
         outputs: 3,
         ..Function::default()
     };
-    let answers = call_in(&context(), &prepared, &function, &[], materials.len());
+    let answers = call_in(context(), &prepared, &function, &[], materials.len());
     for (found, material) in answers.vec3(0).zip(&materials) {
         let expected = albedo(material);
         let wrong = (found - expected).abs().max_element();
@@ -68,7 +68,7 @@ fn the_last_surface_counts() {
         outputs: 9,
         ..Function::default()
     };
-    let answers = call_in(&context(), &prepared, &function, &[], 1);
+    let answers = call_in(context(), &prepared, &function, &[], 1);
     let word = |i| answers.vec3(i).next().unwrap();
     assert_eq!(word(0), DVec3::ZERO);
     assert_eq!(word(3), DVec3::new(0.25, 0.5, 1.0));

@@ -72,7 +72,7 @@ fn film_points_are_the_twins() {
     let numbers = edge_points();
     for filter in filters() {
         let prepared = with(filter);
-        let points = film_points(&context, &prepared, &numbers);
+        let points = film_points(context, &prepared, &numbers);
         for (u, p) in numbers.iter().zip(&points) {
             let expected = film_point(&filter.table(), DVec2::ZERO, *u);
             for i in 0..2 {
@@ -111,7 +111,7 @@ fn the_pixels_own_square_changes_nothing() {
         .effects
         .call_for(direkt::effects::Effect::PixelFilter, reason);
     let numbers = edge_points();
-    assert_eq!(film_points(&context, &prepared, &numbers), numbers);
+    assert_eq!(film_points(context, &prepared, &numbers), numbers);
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn positions_in_a_cell_are_the_twins() {
     let items: Vec<[f64; 3]> = items.map(|i| i.map(|x| f64::from(x as f32))).collect();
     let inputs: Vec<f64> = items.iter().flatten().copied().collect();
     let prepared = with(PixelFilter::default());
-    let answers = call_in(&context, &prepared, &function, &words(&inputs), items.len());
+    let answers = call_in(context, &prepared, &function, &words(&inputs), items.len());
     for ([u, a, b], found) in items.iter().zip(answers.f64(0)) {
         let expected = sample_in_cell(*u, *a, *b);
         // A sum and a product below, 9 U of the root and 5 U of the quotient; the root of 1 − u is exact in u.
@@ -165,7 +165,7 @@ fn film_points_match_their_filter() {
                 DVec2::new(x, y)
             })
             .collect();
-        let samples: Vec<DVec2> = film_points(&context, &prepared, &numbers)
+        let samples: Vec<DVec2> = film_points(context, &prepared, &numbers)
             .into_iter()
             .map(|p| p - 0.5)
             .collect();

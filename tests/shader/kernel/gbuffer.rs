@@ -18,7 +18,7 @@ fn the_middle_of_a_pixel_sees_what_the_twins_does() {
         outputs: 7,
         ..Function::default()
     };
-    let answers = call_in(&context(), &prepared, &function, &[], 1);
+    let answers = call_in(context(), &prepared, &function, &[], 1);
     let twin = Twin::new(&prepared, film, seed, None);
     let world = twin.direct().world();
     let seen = surface_at_film(world, film, MIDDLE, Crossings::OPAQUE).unwrap();

@@ -9,7 +9,7 @@ use direkt::reference::core::rng::{pcg4d, to_unit};
 #[test]
 fn numbers_are_those_of_item_index_stream_and_seed() {
     let context = context();
-    let bench = Bench::new(&context, "lab_importance").unwrap();
+    let bench = Bench::new(context, "lab_importance").unwrap();
     let run = LabRun {
         items: 1000,
         first_item: 77,
@@ -36,7 +36,7 @@ fn numbers_are_those_of_item_index_stream_and_seed() {
 #[test]
 fn a_run_does_not_depend_on_how_it_is_cut() {
     let context = context();
-    let bench = Bench::new(&context, "lab_importance").unwrap();
+    let bench = Bench::new(context, "lab_importance").unwrap();
     // 20,000 · 256 samples are more than one dispatch.
     let whole = LabRun {
         items: 20_000,

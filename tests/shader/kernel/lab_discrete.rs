@@ -12,7 +12,7 @@ use direkt::stats::z_test::z_test;
 #[test]
 fn indices_and_steps_follow_their_distribution_and_no_other() {
     let context = context();
-    let bench = Bench::new(&context, "lab_discrete").unwrap();
+    let bench = Bench::new(context, "lab_discrete").unwrap();
     let settings = Settings {
         seed: 55,
         ..Settings::default()

@@ -15,7 +15,7 @@ const SETTINGS: Settings = Settings {
 #[test]
 fn bias_and_variance_are_exact() {
     let context = context();
-    let bench = Bench::new(&context, "lab_estimators").unwrap();
+    let bench = Bench::new(context, "lab_estimators").unwrap();
     for estimator in &ESTIMATORS {
         for samples in [8, 128] {
             let estimates = draw(&bench, &SETTINGS, estimator, samples, 20_000).unwrap();
@@ -39,7 +39,7 @@ fn bias_and_variance_are_exact() {
 #[test]
 fn the_heavy_tailed_sample_has_its_distribution() {
     let context = context();
-    let bench = Bench::new(&context, "lab_estimators").unwrap();
+    let bench = Bench::new(context, "lab_estimators").unwrap();
     let tail = &ESTIMATORS[ESTIMATORS.len() - 1];
     let samples = draw(&bench, &SETTINGS, tail, 1, 1 << 20).unwrap();
     for check in light_tail_checks(&samples) {

@@ -17,7 +17,7 @@ const SETTINGS: Settings = Settings {
 #[test]
 fn means_and_variances_are_exact_and_others_are_rejected() {
     let context = context();
-    let bench = Bench::new(&context, "lab_importance").unwrap();
+    let bench = Bench::new(context, "lab_importance").unwrap();
     for (row, stream) in ROWS.iter().zip(10..) {
         let blocks = draw(&bench, &SETTINGS, row.density, row.density, stream).unwrap();
         let found = merged(&blocks);
@@ -36,7 +36,7 @@ fn means_and_variances_are_exact_and_others_are_rejected() {
 #[test]
 fn wrong_densities_are_rejected() {
     let context = context();
-    let bench = Bench::new(&context, "lab_importance").unwrap();
+    let bench = Bench::new(context, "lab_importance").unwrap();
     for row in &ROWS {
         let LinearDensity { constant, slope } = row.density;
         let larger = LinearDensity {

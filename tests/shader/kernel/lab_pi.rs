@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 #[test]
 fn both_ways_estimate_pi_with_their_variance() {
     let context = context();
-    let bench = Bench::new(&context, "lab_pi").unwrap();
+    let bench = Bench::new(context, "lab_pi").unwrap();
     let settings = Settings {
         seed: 52,
         ..Settings::default()
@@ -32,7 +32,7 @@ fn both_ways_estimate_pi_with_their_variance() {
 #[test]
 fn points_kept_took_the_attempts_of_a_geometric_distribution() {
     let context = context();
-    let bench = Bench::new(&context, "lab_pi").unwrap();
+    let bench = Bench::new(context, "lab_pi").unwrap();
     let settings = Settings {
         seed: 53,
         ..Settings::default()

@@ -18,7 +18,7 @@ const SETTINGS: Settings = Settings {
 #[test]
 fn rules_give_their_closed_forms() {
     let context = context();
-    let bench = Bench::new(&context, "lab_quadrature").unwrap();
+    let bench = Bench::new(context, "lab_quadrature").unwrap();
     let wrong = Settings {
         density_scale: 1.02,
         ..SETTINGS
@@ -38,7 +38,7 @@ fn rules_give_their_closed_forms() {
 #[test]
 fn random_points_are_right_in_the_mean_and_two_percent_more_is_not() {
     let context = context();
-    let bench = Bench::new(&context, "lab_quadrature").unwrap();
+    let bench = Bench::new(context, "lab_quadrature").unwrap();
     for integrand in Integrand::ALL {
         for method in &Method::ALL[4..] {
             for dimensions in 1..=6 {

@@ -10,7 +10,7 @@ use direkt::lab::sampling::{CELLS, check_histogram, draw, histogram};
 #[test]
 fn samples_follow_their_density_and_no_other() {
     let context = context();
-    let bench = Bench::new(&context, "lab_sampling").unwrap();
+    let bench = Bench::new(context, "lab_sampling").unwrap();
     let settings = Settings {
         seed: 54,
         ..Settings::default()

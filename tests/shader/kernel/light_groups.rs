@@ -41,7 +41,7 @@ fn means_take_each_sample_once() {
     };
     for dropped in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let prepared = prepared(grouped());
-        let answers = call_in(&context(), &prepared, &function, &[dropped.to_bits()], 1);
+        let answers = call_in(context(), &prepared, &function, &[dropped.to_bits()], 1);
         let word = |i| answers.vec3(i).next().unwrap();
         assert_eq!(word(0), DVec3::ZERO);
         assert_eq!(word(3), DVec3::new(1.0, 1.5, 2.0));
@@ -61,7 +61,7 @@ fn lights_know_their_groups() {
         outputs: 1,
         ..Function::default()
     };
-    let answers = call_in(&context(), &prepared, &function, &[], lights);
+    let answers = call_in(context(), &prepared, &function, &[], lights);
     let expected = (0..lights).map(|light| prepared.emitters.groups.of_light(light));
     let found: Vec<u32> = answers.u32(0).collect();
     assert_eq!(found, expected.collect::<Vec<_>>());

@@ -27,7 +27,7 @@ fn loops_below_the_least_budget_run_to_their_end() {
         features: &[],
     };
     let context = context();
-    let answers = call(&context, &function, &[1; 100]);
+    let answers = call(context, &function, &[1; 100]);
     for (single, nested) in answers.u32(0).zip(answers.u32(1)) {
         assert_eq!([single, nested], [30_000; 2], "{:?}", context.adapter);
     }

@@ -21,9 +21,9 @@ fn recorded_samples_make_the_film() {
     for (name, scene) in own_scenes() {
         for strategy in KINDS_OF_STRATEGIES {
             let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
-            let recorder = Recorder::new(&context, &prepared, FILM, 33).unwrap();
+            let recorder = Recorder::new(context, &prepared, FILM, 33).unwrap();
             let records: Vec<_> = (0..SAMPLES).map(|i| recorder.samples(i).unwrap()).collect();
-            let mut session = Session::new(&context, &prepared, FILM, 33).unwrap();
+            let mut session = Session::new(context, &prepared, FILM, 33).unwrap();
             assert_eq!(session.pass(SAMPLES, || false).unwrap(), StopReason::Done);
             let film = session.snapshot().unwrap().0;
             for (i, pixel) in film.pixels.iter().enumerate() {
@@ -52,7 +52,7 @@ fn parts_add_up() {
     let context = context();
     for (name, scene) in own_scenes() {
         let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Power);
-        let recorder = Recorder::new(&context, &prepared, FILM, 34).unwrap();
+        let recorder = Recorder::new(context, &prepared, FILM, 34).unwrap();
         let records = recorder.samples(u64::from(u32::MAX) + 5).unwrap();
         // Of camera rays that went on there is a hash.
         let emits = |r: &SampleRecord| {

@@ -18,7 +18,7 @@ fn record(steps: &str) -> ([DVec3; 3], [u32; 3]) {
         outputs: 12,
         ..Function::default()
     };
-    let answers = draw(&context(), &function, 1);
+    let answers = draw(context(), &function, 1);
     (
         [0, 4, 8].map(|word| answers.vec3(word).next().unwrap()),
         [3, 7, 11].map(|word| answers.u32(word).next().unwrap()),

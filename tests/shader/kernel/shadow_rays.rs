@@ -97,7 +97,7 @@ fn light_numbers_are_the_twins() {
                 })
                 .collect();
             let answers = call_in(
-                &context,
+                context,
                 &prepared,
                 &function,
                 items.as_flattened(),
@@ -151,7 +151,7 @@ fn grid_points_are_in_their_cells() {
                 [*ray, grid.columns, grid.rows, within[0], within[1]]
             })
             .collect();
-        let answers = call(&context(), &function, &inputs);
+        let answers = call(context(), &function, &inputs);
         for ((ray, within), point) in items.iter().zip(answers.vec2(0)) {
             let expected = grid_point(*ray, grid, *within);
             let off = (point - expected).abs().max_element();

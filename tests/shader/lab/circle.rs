@@ -15,7 +15,7 @@ fn hits_and_heights_are_those_of_f64() {
     };
     let points = edge_points();
     let items: Vec<f64> = points.iter().flat_map(|p| [p.x, p.y]).collect();
-    let answers = call(&context(), &function, &words(&items));
+    let answers = call(context(), &function, &words(&items));
     for (p, (hit, height)) in points.iter().zip(answers.f64(0).zip(answers.f64(1))) {
         let square = p.length_squared();
         // Within rounding of the circle either answer is right.

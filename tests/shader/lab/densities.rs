@@ -31,7 +31,7 @@ fn samples_invert_the_distribution_function_and_densities_are_those_of_f64() {
             .iter()
             .flat_map(|&u| [(u as f32).to_bits(), number])
             .collect();
-        let answers = call(&context, &FUNCTION, &items);
+        let answers = call(context, &FUNCTION, &items);
         let [low, high] = density.interval;
         for ((x, pdf), &u) in answers.f64(0).zip(answers.f64(1)).zip(&numbers) {
             let place = format!(

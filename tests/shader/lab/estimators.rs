@@ -66,7 +66,7 @@ fn estimates_are_those_of_f64() {
         outputs: 1,
         features: &[],
     };
-    let answers = draw(&context, &function, 100 * COUNT as usize);
+    let answers = draw(context, &function, 100 * COUNT as usize);
     for (found, item) in answers.f64(0).zip(0_u32..) {
         let estimator = item % COUNT;
         let samples: Vec<(f64, f64)> = (0..20)

@@ -33,7 +33,7 @@ fn values_are_those_of_f64_in_every_dimension() {
         .iter()
         .flat_map(|(s, v)| v.iter().map(|&x| (x as f32).to_bits()).chain([*s]))
         .collect();
-    let answers = call(&context(), &function, &items);
+    let answers = call(context(), &function, &items);
     for ((s, v), (smooth, inside)) in cases.iter().zip(answers.f64(0).zip(answers.f64(1))) {
         let sum: f64 = v[..6].iter().sum();
         let due = (2.0 / 2_f64.exp_m1()).powi(*s as i32) * (2.0 * sum).exp();

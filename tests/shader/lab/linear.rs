@@ -25,7 +25,7 @@ fn samples_invert_the_distribution_function() {
     for row in ROWS {
         let (a, b) = (row.density.constant, row.density.slope);
         let items: Vec<f64> = numbers.iter().flat_map(|&u| [u, a, b]).collect();
-        let answers = call(&context(), &function, &words(&items));
+        let answers = call(context(), &function, &words(&items));
         for ((x, pdf), u) in answers.f64(0).zip(answers.f64(1)).zip(&numbers) {
             assert!((0.0..=4.0).contains(&x), "{} {u}: {x}", row.name);
             let below = a * x + 0.5 * b * x * x;

@@ -20,7 +20,7 @@ fn nodes_and_weights_are_those_of_f64() {
             let points = rule.points(panels);
             let count = points.len() as u32;
             let items: Vec<u32> = (0..count).flat_map(|i| [number, panels, i]).collect();
-            let answers = call(&context, &function, &items);
+            let answers = call(context, &function, &items);
             for ((found, nodes), (x, weight)) in answers.vec2(0).zip(answers.u32(2)).zip(points) {
                 let what = format!("{rule:?}, {panels} panels, at {x}");
                 assert_eq!(nodes, count, "{what}");

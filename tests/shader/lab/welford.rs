@@ -23,7 +23,7 @@ fn blocks_of_256_have_mean_and_spread_of_f64() {
         features: &[],
     };
     let items: Vec<u32> = (0..200).collect();
-    let answers = call(&context(), &function, &items);
+    let answers = call(context(), &function, &items);
     for item in 0..200 {
         let values = (0..256).map(|i| 100.0 + to_unit(pcg4d([item, i, 0, 0])[0]));
         let due: Moments = values.map(|v| f64::from(v as f32)).collect();

@@ -70,7 +70,7 @@ fn alias_choices_are_the_hosts_bit_for_bit() {
                 [u, count, a, b, c, d]
             })
             .collect();
-        let answers = call(&context, &function, &inputs);
+        let answers = call(context, &function, &inputs);
         let chosen = answers.u32(1).zip(answers.u32(2));
         for ((u, entry), (index, probability)) in words.iter().zip(answers.u32(0)).zip(chosen) {
             let what = format!("{}: {u:#x} among {count}", context.adapter.name);
@@ -120,7 +120,7 @@ fn alias_choices_match_pmf() {
             features: &[],
         };
         let mut observed = vec![0; count];
-        for index in draw(&context, &function, n).u32(0) {
+        for index in draw(context, &function, n).u32(0) {
             observed[index as usize] += 1;
         }
         let sum: f64 = weights.iter().sum();
@@ -218,10 +218,10 @@ fn weights_of_zero_are_never_chosen() {
         outputs: 2,
         features: &[],
     };
-    let answers = draw(&context, &function, 1 << 20);
+    let answers = draw(context, &function, 1 << 20);
     let zeros = |word| answers.u32(word).map(f64::from).sum();
     survive(
-        &context,
+        context,
         Measured {
             entry: "S2",
             case: "weights 0, 1, 0, 10³⁰, 10⁻³⁰, 0, over 2²⁴ numbers",
@@ -252,7 +252,7 @@ fn every_positive_weight_is_chosen() {
         let none = none.filter(|&(from, &to)| first(from) >= first(to)).count();
         let table = AliasTable::new(&weights).unwrap();
         survive(
-            &context,
+            context,
             Measured {
                 entry: "S2",
                 case,

@@ -116,7 +116,7 @@ fn solid_angle_samples_are_the_twins() {
             std::iter::once(*index).chain(numbers)
         })
         .collect();
-    let answers = call_in(&context, &prepared, &function, &inputs, items.len());
+    let answers = call_in(context, &prepared, &function, &inputs, items.len());
     let mut compared = 0;
     let found = answers.vec3(0).zip(answers.f64(3)).zip(answers.f64(4));
     for ((index, x, u), ((wi, pdf), evaluated)) in items.iter().zip(found) {
@@ -203,7 +203,7 @@ fn samples_from_within_a_sphere_are_the_twins() {
                 .chain(u.to_array())
         })
         .collect();
-    let answers = call_in(&context, &prepared, &function, &words(&inputs), cases.len());
+    let answers = call_in(context, &prepared, &function, &words(&inputs), cases.len());
     let found = answers.vec3(0).zip(answers.f64(3).zip(answers.f64(4)));
     for ((x, normal, u), (wi, (pdf, evaluated))) in cases.iter().zip(found) {
         let frame = frame_from_normal(*normal);
@@ -240,7 +240,7 @@ fn a_spheres_variance_is_the_exact_one() {
     ));
     scene.render.strategy = Strategy::LightSolidAngle;
     scene.render.spp = 64;
-    let film = render(&context, scene);
+    let film = render(context, scene);
     // Radiance is 0.5/π times the irradiance.
     let factor = (0.5 / std::f64::consts::PI).powi(2);
     let exact = factor * 0.001_059_908_360_548_24 / 64.0;

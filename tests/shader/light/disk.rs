@@ -23,7 +23,7 @@ fn disk_area_samples_are_the_twins() {
     let context = context();
     let points = edge_points();
     let inputs: Vec<f64> = points.iter().flat_map(|u| u.to_array()).collect();
-    let answers = call(&context, &SAMPLE, &words(&inputs));
+    let answers = call(context, &SAMPLE, &words(&inputs));
     for (u, p) in points.iter().zip(answers.vec2(0)) {
         let expected = sample_disk_area(*u);
         let off = (p - expected).length();
@@ -43,7 +43,7 @@ fn disk_area_samples_can_be_inverted() {
     let context = context();
     let points = edge_points();
     let inputs: Vec<f64> = points.iter().flat_map(|u| u.to_array()).collect();
-    let answers = call(&context, &SAMPLE, &words(&inputs));
+    let answers = call(context, &SAMPLE, &words(&inputs));
     for (u, p) in points.iter().zip(answers.vec2(0)) {
         let back = invert(p);
         assert!((back - *u).length() < 8e-7, "{u} comes back as {back}");
@@ -54,7 +54,7 @@ fn disk_area_samples_can_be_inverted() {
         ..SAMPLE
     };
     let on_disk: Vec<f64> = answers.vec2(0).flat_map(|p| p.to_array()).collect();
-    let inverted = call(&context, &inverse, &words(&on_disk));
+    let inverted = call(context, &inverse, &words(&on_disk));
     for (u, back) in points.iter().zip(inverted.vec2(0)) {
         assert!(
             (back - *u).length() < 1.2e-6,
@@ -79,7 +79,7 @@ fn disk_area_density_integrates_to_one() {
         .iter()
         .map(|(u, v)| PI * u.cross(*v).length())
         .collect();
-    let answers = call(&context, &function, &words(&areas));
+    let answers = call(context, &function, &words(&areas));
     for (((u, v), area), pdf) in axes.iter().zip(&areas).zip(answers.f64(0)) {
         // The area is rounded to f32 and divided by: U + 5 U.
         let expected = pdf_disk_area(*area).0;
@@ -93,7 +93,7 @@ fn disk_area_density_integrates_to_one() {
 fn disk_area_samples_match_pdf() {
     let context = context();
     let answers = draw(
-        &context,
+        context,
         &Function {
             imports: "import package::light::disk::sample_disk_area;
                       import package::core::rng::{pcg4d, to_unit_2d};",

@@ -108,7 +108,7 @@ fn sampled(prepared: &Prepared, places: &[Place]) -> Answers {
             std::iter::once(p.light).chain(numbers)
         })
         .collect();
-    call_in(&context(), prepared, &function, &inputs, places.len())
+    call_in(context(), prepared, &function, &inputs, places.len())
 }
 
 /// 64 roundings of the coordinates: how well a place relative to a lamp, and a point of it, are known.
@@ -277,7 +277,7 @@ fn densities_per_area_are_the_twins_and_integrate_to_one() {
             .flat_map(|p| [radii.to_array(), p.to_array()].concat())
             .collect();
         let answers = call_in(
-            &context(),
+            context(),
             &prepared,
             &function,
             &words(&inputs),

@@ -149,7 +149,7 @@ fn emission_samples_are_the_twins() {
         for light in lights(&prepared) {
             let (map, geometry) = textured(&world, light);
             let (numbers, words) = inputs(light, 20_000, 92 + light);
-            let answers = call_in(&context, &prepared, &FUNCTION, &words, numbers.len());
+            let answers = call_in(context, &prepared, &FUNCTION, &words, numbers.len());
             let found = answers.vec2(0).zip(answers.f64(2)).zip(answers.vec2(3));
             let found = found.zip(answers.f64(5)).zip(answers.vec3(6));
             let mut inside = 0;
@@ -207,7 +207,7 @@ fn emission_samples_follow_their_density() {
         let mut observed = vec![0; (fine[0] * fine[1]) as usize];
         for part in 0..4 {
             let (numbers, words) = inputs(light, DRAWN / 4, 95 + 4 * light + part);
-            let answers = call_in(&context, &prepared, &FUNCTION, &words, numbers.len());
+            let answers = call_in(context, &prepared, &FUNCTION, &words, numbers.len());
             for u in answers.vec2(0) {
                 let cell = |x: f64, n: u32| ((x * f64::from(n)) as u32).min(n - 1);
                 observed[(cell(u.y, fine[1]) * fine[0] + cell(u.x, fine[0])) as usize] += 1;

@@ -66,7 +66,7 @@ fn directions_and_image_points_are_the_twins() {
             input
         })
         .collect();
-    let answers = call(&context, &function, &inputs);
+    let answers = call(context, &function, &inputs);
     let points = answers.vec2(3).zip(answers.vec2(5));
     for (((image, south, d), there), (back, point)) in cases.iter().zip(answers.vec3(0)).zip(points)
     {
@@ -128,7 +128,7 @@ fn rows_and_densities_are_the_twins() {
     };
     let rows = rows();
     let inputs: Vec<u32> = rows.iter().flat_map(|&(r, h)| [r, h]).collect();
-    let answers = call(&context, &function, &inputs);
+    let answers = call(context, &function, &inputs);
     let values = answers.vec2(0).zip(answers.f64(2));
     for (&(row, height), (of_row, pdf)) in rows.iter().zip(values) {
         let what = format!("{}: row {row} of {height}", context.adapter.name);
@@ -200,7 +200,7 @@ fn environment_cell_samples_are_the_twins() {
                 .chain(words(&u.to_array()))
         })
         .collect();
-    let answers = call(&context, &function, &inputs);
+    let answers = call(context, &function, &inputs);
     for ((cell, grid, u), d) in cases.iter().zip(answers.vec3(0)) {
         let what = format!("{}: {u} in {cell:?} of {grid:?}", context.adapter.name);
         assert_in_cell(d, *cell, *grid, *u, &what);
@@ -240,7 +240,7 @@ fn bilinear_texels_are_the_twins() {
         .iter()
         .flat_map(|(size, at)| words(at).into_iter().chain(*size))
         .collect();
-    let answers = call(&context, &function, &inputs);
+    let answers = call(context, &function, &inputs);
     for (i, (size, at)) in cases.iter().enumerate() {
         let what = format!("{}: {at:?} of {size:?}", context.adapter.name);
         let expected = bilinear_texels(DVec2::from(*at), *size);

@@ -125,7 +125,7 @@ fn light_samples_find_the_twins_part() {
             item
         })
         .collect();
-    let answers = call_in(&context(), &prepared, &function, &inputs, cases.len());
+    let answers = call_in(context(), &prepared, &function, &inputs, cases.len());
     let mut seen = [false; 3];
     for ((index, x, wi), got) in cases.iter().zip(answers.f64(0)) {
         let expected = light_opacity(&world, *index, *x, *wi);

@@ -79,7 +79,7 @@ fn sampled(context: &Context, polygons: &[Vec<DVec3>], points: &[DVec2]) -> Answ
 fn areas_are_lamberts() {
     let context = context();
     let polygons = polygons();
-    let answers = sampled(&context, &polygons, &[DVec2::splat(0.5)]);
+    let answers = sampled(context, &polygons, &[DVec2::splat(0.5)]);
     for (polygon, area) in polygons.iter().zip(answers.f64(0)) {
         let exact = PI * polygon_factor(DVec3::ZERO, DVec3::Z, polygon).abs();
         let twin = project_polygon(polygon).area;
@@ -101,7 +101,7 @@ fn directions_are_the_twins() {
     let context = context();
     let polygons = polygons();
     let points = edge_points();
-    let answers = sampled(&context, &polygons, &points);
+    let answers = sampled(context, &polygons, &points);
     let items = polygons
         .iter()
         .flat_map(|p| points.iter().map(move |u| (p, u)));
@@ -146,7 +146,7 @@ fn directions_match_pdf() {
             })
             .collect();
         let twin = project_polygon(&polygon);
-        let samples: Vec<DVec3> = sampled(&context, &[polygon], &points).vec3(1).collect();
+        let samples: Vec<DVec3> = sampled(context, &[polygon], &points).vec3(1).collect();
         let test = |samples: &[DVec3], density: f64| {
             let square: Vec<DVec2> = samples
                 .iter()

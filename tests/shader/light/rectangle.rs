@@ -23,7 +23,7 @@ fn rectangle_area_samples_are_the_twins() {
         outputs: 2,
         features: &[],
     };
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for (u, p) in points.iter().zip(answers.vec2(0)) {
         assert_eq!(p, sample_rectangle_area(*u), "{}", context.adapter.name);
         assert_eq!(p, *u);
@@ -43,7 +43,7 @@ fn rectangle_area_density_integrates_to_one() {
     let mut random = Random::new(2);
     let edges: Vec<_> = (0..64).map(|_| random.edges()).collect();
     let areas: Vec<f64> = edges.iter().map(|(u, v)| u.cross(*v).length()).collect();
-    let answers = call(&context, &function, &words(&areas));
+    let answers = call(context, &function, &words(&areas));
     for (((u, v), area), pdf) in edges.iter().zip(&areas).zip(answers.f64(0)) {
         // The area is rounded to f32 and divided by: U + 5 U.
         let expected = pdf_rectangle_area(*area).0;
@@ -64,7 +64,7 @@ fn rectangle_area_samples_match_pdf() {
         outputs: 2,
         features: &[],
     };
-    let samples: Vec<DVec2> = draw(&context, &function, 1 << 20).vec2(0).collect();
+    let samples: Vec<DVec2> = draw(context, &function, 1 << 20).vec2(0).collect();
     let pdf = |_: DVec2| pdf_rectangle_area(1.0).0;
     let test =
         |pdf: &dyn Fn(DVec2) -> f64| histogram::p_value(&samples, DVec2::ZERO, DVec2::ONE, pdf);

@@ -25,7 +25,7 @@ fn sphere_area_samples_are_the_twins() {
         outputs: 3,
         features: &[],
     };
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for (u, w) in points.iter().zip(answers.vec3(0)) {
         let what = format!("{}: {u}", context.adapter.name);
         assert_all_near(w, sample_sphere_area(*u), 16.0 * U, &what);
@@ -57,7 +57,7 @@ fn sphere_area_density_integrates_to_one() {
     let mut random = Random::new(4);
     let radii: Vec<f64> = (0..64).map(|_| random.magnitude(1e-9, 1e9)).collect();
     let areas: Vec<f64> = radii.iter().map(|r| 4.0 * PI * r * r).collect();
-    let answers = call(&context, &function, &words(&areas));
+    let answers = call(context, &function, &words(&areas));
     for ((r, area), pdf) in radii.iter().zip(&areas).zip(answers.f64(0)) {
         // The area is rounded to f32 and divided by: U + 5 U.
         let expected = pdf_sphere_area(*area).0;
@@ -78,7 +78,7 @@ fn sphere_area_samples_match_pdf() {
         outputs: 3,
         features: &[],
     };
-    let samples: Vec<DVec3> = draw(&context, &function, 1 << 20).vec3(0).collect();
+    let samples: Vec<DVec3> = draw(context, &function, 1 << 20).vec3(0).collect();
     let pdf = |_: DVec3| pdf_sphere_area(4.0 * PI).0;
     let test = |pdf: &dyn Fn(DVec3) -> f64| histogram::directions_p_value(&samples, pdf);
     let what = format!("sample_sphere_area, seed 12, {}", context.adapter.name);
@@ -131,7 +131,7 @@ fn distances_within_spheres_are_the_twins() {
                 .chain([w.z])
         })
         .collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for ((c, r, x, way, w), (t, within)) in cases.iter().zip(answers.f64(0).zip(answers.u32(1))) {
         let what = format!("{}: {x} in {c}, {r}, towards {w}", context.adapter.name);
         assert_eq!(within == 1, within_sphere(*c, *r, *x), "{what}");

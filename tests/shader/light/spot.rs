@@ -42,7 +42,7 @@ fn spot_falloff_is_the_twins() {
         .iter()
         .flat_map(|&[cos, inner, outer]| [cos, outer, 1.0 / (inner - outer).max((-20_f64).exp2())])
         .collect();
-    let answers = call(&context, &FALLOFF, &words(&inputs));
+    let answers = call(context, &FALLOFF, &words(&inputs));
     for ([cos, inner, outer], f) in cases.iter().zip(answers.f64(0)) {
         let expected = spot_falloff(*cos, *inner, *outer);
         let what = format!(
@@ -68,7 +68,7 @@ fn equal_angles_of_a_spot_make_a_step() {
         })
         .flatten()
         .collect();
-    let answers: Vec<f64> = call(&context, &FALLOFF, &words(&inputs)).f64(0).collect();
+    let answers: Vec<f64> = call(context, &FALLOFF, &words(&inputs)).f64(0).collect();
     for (outer, f) in cosines.iter().zip(answers.chunks_exact(4)) {
         assert_eq!(f, [0.0, 0.0, 1.0, 1.0], "outer cosine {outer}");
     }

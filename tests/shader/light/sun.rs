@@ -71,7 +71,7 @@ fn sun_samples_are_the_twins() {
             items.push((index, u.as_dvec2()));
         }
     }
-    let answers = call_in(&context, &prepared, &function, &inputs, items.len());
+    let answers = call_in(context, &prepared, &function, &inputs, items.len());
     let found = answers.vec3(0).zip(answers.f64(3)).zip(answers.f64(4));
     for (((index, u), ((wi, pdf), evaluated)), over_pdf) in
         items.iter().zip(found).zip(answers.vec3(5))
@@ -129,7 +129,7 @@ fn sun_samples_follow_their_density() {
         let inputs: Vec<u32> = (0..DRAWN)
             .flat_map(|_| [index, uniform(), uniform()])
             .collect();
-        let answers = call_in(&context, &prepared, &function, &inputs, DRAWN);
+        let answers = call_in(context, &prepared, &function, &inputs, DRAWN);
         let around = frame_from_normal(sun.towards);
         let samples: Vec<DVec2> = answers
             .vec3(0)
@@ -188,7 +188,7 @@ fn suns_shine_where_they_are() {
         .iter()
         .flat_map(|d| d.as_vec3().to_array().map(f32::to_bits))
         .collect();
-    let answers = call_in(&context, &prepared, &function, &inputs, directions.len());
+    let answers = call_in(context, &prepared, &function, &inputs, directions.len());
     let mut compared = 0;
     for (direction, found) in directions.iter().zip(answers.vec3(0)) {
         let margin = suns(&world).map(|(sun, _)| sun_margin(&sun, *direction));

@@ -135,7 +135,7 @@ fn children_are_decoded_and_weighed_as_by_the_twin() {
             items.extend_from_slice(place);
             items.extend([(i % nodes) as u32, (i / nodes % 2) as u32]);
         }
-        let answers = call_in(&context, &prepared, &function, &items, places.len());
+        let answers = call_in(context, &prepared, &function, &items, places.len());
         let cosines: Vec<_> = answers.vec2(10).zip(answers.f64(12)).collect();
         let centers: Vec<_> = answers.vec3(0).zip(answers.f64(3)).collect();
         let boxes: Vec<_> = answers.vec3(4).zip(answers.vec3(7)).collect();
@@ -212,7 +212,7 @@ fn walks_are_bit_identical() {
     let mut items: Vec<u32> = (0..20_000).map(|_| random.word()).collect();
     items.extend([0, u32::MAX, u32::MAX, u32::MAX, u32::MAX, 1, 0, 0]);
     let prepared = prepared(scene_of(0, 1));
-    let answers = call_in(&context(), &prepared, &function, &items, items.len() / 2);
+    let answers = call_in(context(), &prepared, &function, &items, items.len() / 2);
     let found = answers.u32(0).zip(answers.u32(1)).zip(answers.u32(2));
     for (item, ((way, code), range)) in items.chunks_exact(2).zip(found) {
         let mut walk = TreeWalk::new(item[0], [item[0], 1, 2, 3]);
@@ -253,7 +253,7 @@ fn axes_and_angles_are_the_twins() {
         angles.push(pair);
     }
     let prepared = prepared(scene_of(0, 1));
-    let answers = call_in(&context(), &prepared, &function, &items, angles.len());
+    let answers = call_in(context(), &prepared, &function, &items, angles.len());
     let found = answers.vec3(0).zip(answers.vec2(3)).zip(answers.f64(5));
     for ((item, [a, b]), ((axis, difference), bound)) in
         items.chunks_exact(5).zip(&angles).zip(found)

@@ -27,7 +27,7 @@ fn triangle_area_samples_are_the_twins() {
         outputs: 4,
         features: &[],
     };
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for ((u, p), inverse) in points.iter().zip(answers.vec2(0)).zip(answers.vec2(2)) {
         let expected = sample_triangle_area(*u);
         assert!(
@@ -62,7 +62,7 @@ fn triangle_area_density_integrates_to_one() {
         .iter()
         .map(|(u, v)| 0.5 * u.cross(*v).length())
         .collect();
-    let answers = call(&context, &function, &words(&areas));
+    let answers = call(context, &function, &words(&areas));
     for (((u, v), area), pdf) in edges.iter().zip(&areas).zip(answers.f64(0)) {
         // The area is rounded to f32 and divided by: U + 5 U.
         let expected = pdf_triangle_area(*area).0;
@@ -84,7 +84,7 @@ fn triangle_area_samples_match_pdf() {
         outputs: 2,
         features: &[],
     };
-    let samples: Vec<DVec2> = draw(&context, &function, 1 << 20).vec2(0).collect();
+    let samples: Vec<DVec2> = draw(context, &function, 1 << 20).vec2(0).collect();
     let inside = |p: DVec2, density: f64| if p.x + p.y <= 1.0 { density } else { 0.0 };
     let pdf = |p: DVec2| inside(p, pdf_triangle_area(0.5).0);
     let test =

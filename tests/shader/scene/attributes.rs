@@ -103,7 +103,7 @@ fn answers(cases: &[Case]) -> Answers {
             item
         })
         .collect();
-    call(&context, &function, &words(&numbers))
+    call(context, &function, &words(&numbers))
 }
 
 /// Interpolation and offsets are sums of a dozen products of numbers up to the edges' lengths; dividing by a short sum of
@@ -203,13 +203,7 @@ fn textures_are_read_with_the_coordinates_of_their_set() {
         outputs: 12,
         ..Function::default()
     };
-    let answers = call_in(
-        &context(),
-        &prepared,
-        &function,
-        &[],
-        world.primitives.len(),
-    );
+    let answers = call_in(context(), &prepared, &function, &[], world.primitives.len());
     let textures = [material.textures.color, material.opacity.texture];
     for (first_word, texture) in [0, 6].into_iter().zip(textures) {
         let texture = texture.expect("both are there");

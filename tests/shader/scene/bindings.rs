@@ -31,9 +31,9 @@ fn the_frame_is_the_hosts() {
         outputs: 42,
         ..Function::default()
     };
-    let answers = call_in(&context, &prepared, &function, &[], 1);
+    let answers = call_in(context, &prepared, &function, &[], 1);
     let scene = &prepared.scene;
-    let buffers = SceneBuffers::new(&context, &prepared).unwrap();
+    let buffers = SceneBuffers::new(context, &prepared).unwrap();
     let frame = scene_buffers::frame(
         &prepared,
         scene.film,
@@ -60,7 +60,7 @@ fn buffers_have_the_hosts_lengths_and_words() {
         outputs: 8,
         ..Function::default()
     };
-    let answers = call_in(&context, &prepared, &lengths, &[], 1);
+    let answers = call_in(context, &prepared, &lengths, &[], 1);
     let found: Vec<u32> = (0..8).map(|i| answers.u32(i).next().unwrap()).collect();
     let node_words: &[[u32; 4]] = bytemuck::cast_slice(&prepared.bvh.nodes);
     let selection = prepared.emitters.selection.as_ref().unwrap();
@@ -87,7 +87,7 @@ fn buffers_have_the_hosts_lengths_and_words() {
             outputs: 4,
             ..Function::default()
         };
-        let answers = call_in(&context, &prepared, &function, &[], expected.len());
+        let answers = call_in(context, &prepared, &function, &[], expected.len());
         for (i, expected) in expected.iter().enumerate() {
             let found = [0, 1, 2, 3].map(|word| answers.u32(word).nth(i).unwrap());
             assert_eq!(found, *expected, "{array}[{i}]");
@@ -118,7 +118,7 @@ fn texels_are_the_maps() {
         outputs: 3,
         ..Function::default()
     };
-    let answers = call_in(&context, &prepared, &function, &[], 31 * 17);
+    let answers = call_in(context, &prepared, &function, &[], 31 * 17);
     let EnvironmentRadiance::Map(map) = &prepared.scene.environment.as_ref().unwrap().radiance
     else {
         unreachable!("the environment is a map");
@@ -147,7 +147,7 @@ fn buffers_are_as_large_as_is_told() {
             attributes,
             textures,
             emission_cells,
-        } = SceneBuffers::new(&context, &prepared).unwrap();
+        } = SceneBuffers::new(context, &prepared).unwrap();
         let EnvironmentBuffers {
             alias,
             texels,

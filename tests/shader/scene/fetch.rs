@@ -29,7 +29,7 @@ fn fetched(prepared: &Prepared, body: &str, outputs: usize, count: usize) -> Ans
         outputs,
         ..Function::default()
     };
-    call_in(&context(), prepared, &function, &[], count)
+    call_in(context(), prepared, &function, &[], count)
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn materials_come_back() {
         ],
         ..Function::default()
     };
-    let answers = call_in(&context(), &prepared, &function, &[], materials.len());
+    let answers = call_in(context(), &prepared, &function, &[], materials.len());
     for (i, material) in materials.iter().enumerate() {
         let p = material.bsdf.parameters();
         let (fresnel, alpha) = p.specular.map_or_else(

@@ -98,7 +98,7 @@ fn opacities_are_the_twins() {
         }
         let input = |(i, st): &(u32, DVec3)| [words(&[st.x, st.y]), vec![*i]].concat();
         let inputs: Vec<u32> = cases.iter().flat_map(input).collect();
-        let answers = call_in(&context, &prepared, &function, &inputs, cases.len());
+        let answers = call_in(context, &prepared, &function, &inputs, cases.len());
         let mut values = [0; 3];
         let mut off = 0;
         for ((i, st), got) in cases.iter().zip(answers.f64(0)) {
@@ -197,7 +197,7 @@ fn crossings_are_the_twins() {
             ]
         })
         .collect();
-    let answers = call(&context(), &function, &inputs);
+    let answers = call(context(), &function, &inputs);
     for (&(i, ray, alpha, index, crossing), got) in cases.iter().zip(answers.u32(0)) {
         let expected = stops(
             Crossings::of_sample(sample(i)).of_ray(ray),
@@ -321,7 +321,7 @@ fn rays_are_stopped_alike_in_any_order() {
     };
     let components = |ray: &Ray| [ray.origin.to_array(), ray.direction.to_array()].concat();
     let inputs: Vec<f64> = rays.iter().flat_map(components).collect();
-    let answers = call_in(&context, &prepared, &function, &words(&inputs), rays.len());
+    let answers = call_in(context, &prepared, &function, &words(&inputs), rays.len());
     let expected: Vec<_> = rays
         .par_iter()
         .zip(0..rays.len() as u32)

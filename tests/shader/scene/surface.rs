@@ -159,7 +159,7 @@ fn surfaces_are_the_twins_on_both_sides() {
         inputs.push(hit.primitive);
         inputs.extend(words(&[hit.st.x, hit.st.y, wo.x, wo.y, wo.z]));
     }
-    let answers = call_in(&context, &prepared, &function, &inputs, views.len());
+    let answers = call_in(context, &prepared, &function, &inputs, views.len());
     for (i, view) in views.iter().enumerate() {
         let vector = |word: usize| answers.vec3(word).nth(i).unwrap();
         let View {
@@ -277,7 +277,7 @@ fn vertex_colours_are_factors_on_materials() {
         inputs.push(hit.primitive);
         inputs.extend(words(&[hit.st.x, hit.st.y, wo.x, wo.y, wo.z]));
     }
-    let answers = call_in(&context, &prepared, &function, &inputs, views.len());
+    let answers = call_in(context, &prepared, &function, &inputs, views.len());
     let mut varied = 0;
     for (i, View { ray, hit, wo, .. }) in views.iter().enumerate() {
         let vector = |word: usize| answers.vec3(word).nth(i).unwrap();
@@ -347,7 +347,7 @@ fn shadow_rays_do_not_descend() {
         })
         .collect();
     let inputs: Vec<f64> = cases.iter().flatten().flat_map(|v| v.to_array()).collect();
-    let answers = call_in(&context, &prepared, &function, &words(&inputs), cases.len());
+    let answers = call_in(context, &prepared, &function, &words(&inputs), cases.len());
     let found = answers.vec3(0).zip(answers.vec3(3));
     for (&[origin, normal, target], (from, d)) in cases.iter().zip(found) {
         let what = format!("{}: {origin} {normal} {target}", context.adapter.name);

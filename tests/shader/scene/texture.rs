@@ -43,7 +43,7 @@ fn coordinates_are_wrapped_like_the_twins() {
         features: &[],
     };
     let numbers = coordinates();
-    let answers = call(&context, &function, &words(&numbers));
+    let answers = call(context, &function, &words(&numbers));
     for (mode, wrap) in WRAPS.into_iter().enumerate() {
         for (x, got) in numbers.iter().zip(answers.f64(mode)) {
             let expected = wrap_coordinate(*x, wrap);
@@ -84,7 +84,7 @@ fn texels_beside_the_image_are_wrapped_like_the_twins() {
         .iter()
         .flat_map(|(texel, n)| [*texel as i32 as u32, *n])
         .collect();
-    let answers = call(&context, &function, &inputs);
+    let answers = call(context, &function, &inputs);
     for (mode, wrap) in WRAPS.into_iter().enumerate() {
         for ((texel, n), got) in cases.iter().zip(answers.u32(mode)) {
             assert_eq!(
@@ -155,7 +155,7 @@ fn footprints_are_the_twins() {
             item
         })
         .collect();
-    let answers = call(&context, &function, &inputs);
+    let answers = call(context, &function, &inputs);
     let corners = answers
         .u32(0)
         .zip(answers.u32(1))

@@ -104,7 +104,7 @@ fn check_scene(name: &str) {
             [o.x, o.y, o.z, d.x, d.y, d.z, *limit]
         })
         .collect();
-    let answers = call_in(&context, &prepared, &function, &words(&inputs), rays.len());
+    let answers = call_in(context, &prepared, &function, &words(&inputs), rays.len());
     assert!(answers.u32(5).all(|cut| cut == 0), "a loop was cut");
     let expected: Vec<_> = rays
         .par_iter()
@@ -194,7 +194,7 @@ fn rays_that_meet_a_light_enter_its_box() {
             [o.x, o.y, o.z, d.x, d.y, d.z]
         });
         let inputs = words(&inputs.collect::<Vec<_>>());
-        let answers = call_in(&context, &prepared, &function, &inputs, rays.len());
+        let answers = call_in(context, &prepared, &function, &inputs, rays.len());
         let (mut met, mut spared) = (0, 0);
         for ((ray, _), may) in rays.iter().zip(answers.u32(0)) {
             let hit = closest_hit(world, ray, Crossings::OPAQUE);
@@ -266,7 +266,7 @@ fn rays_through_every_kind_meet_what_the_twin_meets() {
             words(&numbers).into_iter().chain([*i])
         })
         .collect();
-    let answers = call_in(&context, &prepared, &function, &inputs, cases.len());
+    let answers = call_in(context, &prepared, &function, &inputs, cases.len());
     let mut passed = 0;
     for ((ray, i), (found, t)) in cases.iter().zip(answers.u32(0).zip(answers.f64(1))) {
         let p = &world.primitives[*i as usize];

@@ -51,7 +51,7 @@ fn bsdf_samples_match_pdf() {
     let context = context();
     for (seed, (m, degrees)) in (130..).zip(sampled_cases()) {
         let wo = direction(degrees, 0.7);
-        let samples: Vec<DVec3> = drawn(&context, &m, wo, seed).vec3(0).collect();
+        let samples: Vec<DVec3> = drawn(context, &m, wo, seed).vec3(0).collect();
         let pdf = |wi: DVec3| sphere_pdf(&m, wo, wi);
         let what = format!(
             "sample_bsdf, {m:?}, {degrees} degrees, seed {seed}, {}",
@@ -134,7 +134,7 @@ fn sampled_weights_have_the_exact_albedo() {
             seed += 1;
             let m = conductor(DVec3::ONE, alpha);
             let wo = direction(degrees, 0.7);
-            let answers = drawn(&context, &m, wo, seed);
+            let answers = drawn(context, &m, wo, seed);
             let samples: Vec<(f64, f64)> = answers.f64(3).zip(answers.f64(2)).collect();
             let exact = directional_albedo(alpha, degrees.to_radians().cos()).total();
             // Numerator and denominator share D; what is left takes 64 roundings, here as one bias of all samples. Those
@@ -182,7 +182,7 @@ fn sampled_weights_have_the_exact_albedo() {
         }
     }
     survive(
-        &context,
+        context,
         Measured {
             entry: "B2",
             case: "albedo at α of 0.01 to 1 and angles up to 89°, 2²⁰ samples each",
@@ -199,7 +199,7 @@ fn sampled_weights_have_the_exact_albedo() {
 #[test]
 fn a_white_lambert_surface_keeps_all_light() {
     let context = context();
-    let answers = drawn(&context, &diffuse(1.0), direction(60.0, 0.7), 18);
+    let answers = drawn(context, &diffuse(1.0), direction(60.0, 0.7), 18);
     let mut lost = 0;
     for (wi, weight) in answers.vec3(0).zip(answers.vec3(3)) {
         lost += usize::from(wi.z <= 0.0);

@@ -66,7 +66,7 @@ fn values_are_the_twins(materials: Vec<BsdfParameters>, features: &'static [&'st
         })
         .flatten()
         .collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let found = answers.vec3(0).zip(answers.f64(3).zip(answers.f64(4)));
     for ((m, wi, wo), (f_cos, (pdf, share))) in cases.iter().zip(found) {
         let what = format!("{}: {m:?} {wi} {wo}", context.adapter.name);
@@ -159,7 +159,7 @@ fn bsdf_samples_are_finite_and_in_range() {
         })
         .flatten()
         .collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let found = answers.vec3(0).zip(answers.vec3(3).zip(answers.f64(6)));
     for ((m, wo, lobe, u), (wi, (weight, pdf))) in cases.iter().zip(found) {
         let what = format!("{}: {m:?} {wo} {lobe} {u}", context.adapter.name);
@@ -249,11 +249,11 @@ fn the_bsdf_is_reciprocal() {
         .flat_map(|(m, a, b)| [material_words(m), a.to_array().into(), b.to_array().into()])
         .flatten()
         .collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     let differing = |ab: f64, ba: f64| (ab - ba).abs() / ab.max(1e-30);
     let ours = answers.vec3(0).zip(answers.vec3(3));
     survive(
-        &context,
+        context,
         Measured {
             entry: "B5",
             case: "10⁴ pairs of directions, many of them at 89.9° and opposite",
@@ -297,7 +297,7 @@ fn the_lobe_is_chosen_at_its_share() {
         .flat_map(|l| [material_words(&m), wo.to_array().into(), vec![*l, u.x, u.y]])
         .flatten()
         .collect();
-    let answers = call(&context, &function, &words(&inputs));
+    let answers = call(context, &function, &words(&inputs));
     for (lobe, wi) in lobes.iter().zip(answers.vec3(0)) {
         let expected = sample_bsdf(&m, wo, *lobe, u);
         assert_eq!(expected.specular, *lobe < share);

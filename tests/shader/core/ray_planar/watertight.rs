@@ -100,13 +100,13 @@ fn triangles_do_not_leak_at_an_edge() {
         })
         .collect();
     assert_eq!(
-        leaks(&context, "watertight", false, &fans),
+        leaks(context, "watertight", false, &fans),
         0,
         "{}",
         context.adapter.name
     );
     assert!(
-        leaks(&context, "leaky", false, &fans) > 1000,
+        leaks(context, "leaky", false, &fans) > 1000,
         "rays that are hard for none"
     );
 }
@@ -125,13 +125,13 @@ fn triangles_do_not_leak_at_a_vertex() {
         })
         .collect();
     assert_eq!(
-        leaks(&context, "watertight", true, &fans),
+        leaks(context, "watertight", true, &fans),
         0,
         "{}",
         context.adapter.name
     );
     assert!(
-        leaks(&context, "leaky", true, &fans) > 1000,
+        leaks(context, "leaky", true, &fans) > 1000,
         "rays that are hard for none"
     );
 }

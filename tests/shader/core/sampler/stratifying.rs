@@ -66,7 +66,7 @@ fn groups_of_every_sampler_are_bit_identical() {
                     .chain([n.width, n.pattern[0], n.pattern[1]])
             })
             .collect();
-        let answers = call(&context, &function, &inputs);
+        let answers = call(context, &function, &inputs);
         for word in 0..4 {
             for ((numbers, id, group), got) in items.iter().zip(answers.u32(word)) {
                 let expected = numbers.group(*id, *group)[word];
@@ -113,7 +113,7 @@ fn samples_of_every_sampler_are_named_alike() {
             .iter()
             .flat_map(|&index| [9, index as u32, (index >> 32) as u32, 67])
             .collect();
-        let answers = call(&context, &function, &inputs);
+        let answers = call(context, &function, &inputs);
         let numbers = Numbers {
             sampler,
             ..Numbers::default()

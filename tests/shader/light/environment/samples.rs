@@ -44,7 +44,7 @@ fn environment_cell_samples_match_pdf() {
         let cosine = |row: u32| (PI * f64::from(row) / f64::from(grid[1])).cos();
         let low = DVec2::new(width * f64::from(cell[0]), cosine(cell[1] + 1));
         let high = DVec2::new(low.x + width, cosine(cell[1]));
-        let samples: Vec<DVec2> = draw(&context, &function, 1 << 20)
+        let samples: Vec<DVec2> = draw(context, &function, 1 << 20)
             .vec3(0)
             .map(|d| {
                 let mut azimuth = (-d.x).atan2(d.z);
@@ -154,7 +154,7 @@ fn environment_samples_match_luminance_and_solid_angle() {
             outputs: 3,
             features: &[],
         };
-        let answers = draw(&context, &function, n);
+        let answers = draw(context, &function, n);
         let mut observed = vec![0; texels.len()];
         for (index, point) in answers.u32(0).zip(answers.vec2(1)) {
             observed[index as usize] += 1;

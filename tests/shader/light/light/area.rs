@@ -225,7 +225,7 @@ fn directions_match_pdf(
         for (k, x) in (0..).zip(receivers(prepared, light)) {
             tested += 1;
             let seed = 50 + 4 * index + k;
-            let wis = directions(&context, prepared, index, x, seed);
+            let wis = directions(context, prepared, index, x, seed);
             // A point on the border may round beyond it, by the angle that a direction is known to.
             let samples: Vec<DVec2> = wis
                 .iter()

@@ -51,7 +51,7 @@ fn lights_are_chosen_as_by_the_twin() {
         .collect();
     for (name, prepared) in choices() {
         let world = World::new(&prepared);
-        let answers = call_in(&context, &prepared, &function, &words, words.len());
+        let answers = call_in(context, &prepared, &function, &words, words.len());
         for (word, (index, p)) in words.iter().zip(answers.u32(0).zip(answers.f64(1))) {
             let expected = choose_light(&world, *word).unwrap();
             assert_eq!(index, expected.index, "{name}: word {word}");
@@ -91,7 +91,7 @@ fn several_rays_multiply_the_density() {
                 outputs: 2,
                 ..Function::default()
             };
-            let answers = call_in(&context, &prepared, &function, &[], count);
+            let answers = call_in(context, &prepared, &function, &[], count);
             for (index, samples) in answers.u32(0).zip(answers.f64(1)) {
                 let light = index as usize;
                 let p = prepared.emitters.probability(light);
@@ -130,7 +130,7 @@ fn lights_are_chosen_at_their_probability() {
             outputs: count,
             features: &[],
         };
-        let answers = call_in(&context, &prepared, &function, &[], 1 << 20);
+        let answers = call_in(context, &prepared, &function, &[], 1 << 20);
         let counts: Vec<u64> = (0..count)
             .map(|i| answers.u32(i).map(u64::from).sum())
             .collect();

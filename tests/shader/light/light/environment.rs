@@ -35,7 +35,7 @@ fn directions_towards_the_environment_match_pdf() {
             .iter()
             .position(|l| *l == Emitter::Environment)
             .unwrap();
-        let wis = directions(&context, &prepared, index as u32, DVec3::ZERO, seed);
+        let wis = directions(context, &prepared, index as u32, DVec3::ZERO, seed);
         let rotation = prepared.scene.environment.as_ref().unwrap().rotation;
         // In coordinates of the image, whose texels are the cells here: (31, 17).
         let samples: Vec<DVec2> = wis
@@ -119,7 +119,7 @@ fn the_environment_is_the_twins() {
         ]);
         let inputs: Vec<f64> = directions.iter().flat_map(DVec3::to_array).collect();
         let answers = call_in(
-            &context,
+            context,
             &prepared,
             &function,
             &words(&inputs),

@@ -195,7 +195,7 @@ fn surfaces_emit_on_their_front_and_where_two_sided_on_their_back() {
     let lights = 0..prepared.emitters.lights.len() as u32;
     let cases: Vec<[u32; 2]> = lights.filter(area).flat_map(|i| [[i, 0], [i, 1]]).collect();
     let answers = call_in(
-        &context(),
+        context(),
         &prepared,
         &function,
         cases.as_flattened(),

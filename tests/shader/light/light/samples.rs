@@ -79,7 +79,7 @@ fn light_samples_are_the_twins() {
                 }
             }
         }
-        let answers = sampled(&context, &prepared, &items);
+        let answers = sampled(context, &prepared, &items);
         let vectors = answers.vec3(0).zip(answers.vec3(3).zip(answers.vec3(6)));
         let numbers = answers.f64(9).zip(answers.u32(10));
         let mut behind = 0;
@@ -174,7 +174,7 @@ fn a_point_at_a_light_receives_nothing() {
         }
     }
     assert_eq!(items.len(), 2);
-    let answers = sampled(&context, &prepared, &items);
+    let answers = sampled(context, &prepared, &items);
     assert!(answers.vec3(6).all(|radiance| radiance == DVec3::ZERO));
 }
 
@@ -229,7 +229,7 @@ fn claimed_densities_are_the_evaluated_ones() {
             }
         }
     }
-    let answers = call_in(&context, &prepared, &function, &inputs, items.len());
+    let answers = call_in(context, &prepared, &function, &inputs, items.len());
     let mut compared = [0; 16];
     let found = answers.f64(0).zip(answers.f64(1).zip(answers.vec3(2)));
     for ((index, x, u, texel), (claimed, (evaluated, wi))) in items.iter().zip(found) {

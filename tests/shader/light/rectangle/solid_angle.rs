@@ -52,7 +52,7 @@ fn seen(context: &Context, right_angled: bool, items: &[(Seen, DVec2)]) -> Answe
 fn assert_twins(right_angled: bool, shear: f64, twin: impl Fn(&Seen, DVec2) -> (DVec3, DVec2)) {
     let context = context();
     let items = with_points(&hard_cases(80, shear), 81);
-    let answers = seen(&context, right_angled, &items);
+    let answers = seen(context, right_angled, &items);
     let found = answers.f64(0).zip(answers.vec3(1)).zip(answers.vec2(4));
     let [mut angles, mut directions, mut points] = [0; 3];
     let roundings = if right_angled {
@@ -135,7 +135,7 @@ fn in_its_plane_nothing_is_seen() {
     });
     let items = with_points(&cases, 82);
     for right_angled in [true, false] {
-        let answers = seen(&context, right_angled, &items);
+        let answers = seen(context, right_angled, &items);
         for ((case, u), (solid_angle, wi)) in items.iter().zip(answers.f64(0).zip(answers.vec3(1)))
         {
             assert_eq!(solid_angle, 0.0, "{case:?}");
@@ -212,7 +212,7 @@ fn directions_to_rectangles_match_pdf() {
                 (h(p.y) - h(r.y.x)) / (h(r.y.y) - h(r.y.x)),
             )
         };
-        let samples: Vec<DVec2> = draw_directions(&context, true, &seen, index)
+        let samples: Vec<DVec2> = draw_directions(context, true, &seen, index)
             .into_iter()
             .map(back)
             .collect();
@@ -252,7 +252,7 @@ fn directions_to_parallelograms_match_pdf() {
                 height(wi) / height(end - x),
             )
         };
-        let samples: Vec<DVec2> = draw_directions(&context, false, &seen, 8 + index)
+        let samples: Vec<DVec2> = draw_directions(context, false, &seen, 8 + index)
             .into_iter()
             .map(back)
             .collect();

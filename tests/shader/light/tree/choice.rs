@@ -26,13 +26,7 @@ fn choice_and_query_are_the_twins_and_each_others() {
             features: &[],
         };
         let places = places(&prepared, 20_000, 6);
-        let answers = call_in(
-            &context,
-            &prepared,
-            &function,
-            &words(&places),
-            places.len(),
-        );
+        let answers = call_in(context, &prepared, &function, &words(&places), places.len());
         let mut others = 0;
         for (i, (index, p)) in answers.u32(0).zip(answers.f64(1)).enumerate() {
             let (x, normal) = places[i];
@@ -80,13 +74,7 @@ fn the_query_gives_what_the_choice_gave() {
             features: &[],
         };
         let places = places(&prepared, 20_000, 8);
-        let answers = call_in(
-            &context,
-            &prepared,
-            &function,
-            &words(&places),
-            places.len(),
-        );
+        let answers = call_in(context, &prepared, &function, &words(&places), places.len());
         let area = |index: u32| {
             matches!(
                 prepared.emitters.lights[index as usize],
@@ -156,7 +144,7 @@ fn lights_are_chosen_at_their_probability() {
             outputs: count,
             features: &[],
         };
-        let answers = call_in(&context, &prepared, &function, &[], DRAWN as usize / 16);
+        let answers = call_in(context, &prepared, &function, &[], DRAWN as usize / 16);
         let of_light = |i: usize| answers.u32(i).map(u64::from).sum::<u64>();
         let mut counts: Vec<u64> = (0..count).map(of_light).collect();
         // Ways that end in the dark are a cell of their own.

@@ -46,7 +46,7 @@ fn triangles_are_the_twins() {
     ]
     .concat();
     let items = with_points(&cases, 88);
-    let answers = seen(&context, &items);
+    let answers = seen(context, &items);
     let [mut angles, mut directions] = [0; 2];
     for ((case, u), (solid_angle, wi)) in items.iter().zip(answers.f64(0).zip(answers.vec3(1))) {
         let what = format!("{}: {case:?}, {u}", context.adapter.name);
@@ -99,7 +99,7 @@ fn in_its_plane_nothing_is_seen() {
         let case = Seen::new("in the plane", axes, (DVec2::ONE, 0.0), foot, DVec3::ZERO);
         (case, DVec2::new(0.3, 0.6))
     });
-    let answers = seen(&context(), &items);
+    let answers = seen(context(), &items);
     for ((case, _), (solid_angle, wi)) in items.iter().zip(answers.f64(0).zip(answers.vec3(1))) {
         assert_eq!(solid_angle, 0.0, "{case:?}");
         assert!(wi.is_finite(), "{case:?}");
@@ -130,7 +130,7 @@ fn directions_to_triangles_match_pdf() {
         let place = (DVec2::from(foot), height);
         let seen = Seen::new(kind, axes, shape, place, DVec3::new(0.1, -0.2, 0.3));
         let what = format!("triangle, {kind}, seed {index}, {}", context.adapter.name);
-        let samples: Vec<DVec2> = draw_directions(&context, &seen, index)
+        let samples: Vec<DVec2> = draw_directions(context, &seen, index)
             .into_iter()
             .map(|wi| invert(&seen, wi))
             .collect();
