@@ -3,13 +3,14 @@
 //! An effect is derived from the scene, never declared by the user. Each maps to a WESL feature: code under
 //! `@if(GLOSSY)` is not in the WGSL unless some material has a microfacet lobe. The table below is the whole list: an entry
 //! per effect, with the rule that calls for it; what the scale of a scene calls for is decided where that is measured, in
-//! [`Prepared`](crate::render::Prepared).
+//! [`Prepared`](crate::prepare::Prepared).
 
 mod rules;
 
-use crate::accel::{Attributes, Primitive, PrimitiveGeometry as Shape};
-use crate::emitters::{Emitter, Emitters};
-use crate::scene::{Light, Sampler, Scene, ShadowPattern, Strategy};
+use crate::accel::PrimitiveGeometry as Shape;
+use crate::emitters::Emitter;
+use crate::scene::{Light, Sampler, ShadowPattern, Strategy};
+pub use rules::EffectQuery;
 use rules::Rules;
 use std::collections::BTreeMap;
 
@@ -216,6 +217,20 @@ impl Effect {
 pub struct Effects(BTreeMap<Effect, String>);
 
 impl Effects {
+    /// The effects that a scene calls for.
+    pub fn called_for(query: &EffectQuery<'_>) -> Self {
+        let mut rules = Rules {
+            query,
+            found: Self::default(),
+        };
+        for &effect in Effect::ALL {
+            if let Some(reason) = effect.reason(&rules) {
+                rules.found.call_for(effect, || reason);
+            }
+        }
+        rules.found
+    }
+
     /// Adds an effect; the first reason stays.
     pub fn call_for(&mut self, effect: Effect, reason: impl FnOnce() -> String) {
         self.0.entry(effect).or_insert_with(reason);
@@ -245,28 +260,4 @@ impl Effects {
     pub fn features(&self) -> impl Iterator<Item = (&'static str, bool)> {
         Effect::ALL.iter().map(|e| (e.feature(), self.contains(*e)))
     }
-}
-
-/// Finds what `scene` calls for under `strategy`.
-pub fn called_for(
-    scene: &Scene,
-    primitives: &[Primitive],
-    attributes: &Attributes,
-    emitters: &Emitters,
-    strategy: Strategy,
-) -> Effects {
-    let mut rules = Rules {
-        scene,
-        primitives,
-        attributes,
-        emitters,
-        strategy,
-        found: Effects::default(),
-    };
-    for &effect in Effect::ALL {
-        if let Some(reason) = effect.reason(&rules) {
-            rules.found.call_for(effect, || reason);
-        }
-    }
-    rules.found
 }

@@ -35,7 +35,7 @@
 //!
 //! let scene = load("scenes/cornell.toml".as_ref(), &LoadOptions::default())?;
 //! let (film, settings) = (scene.film, scene.render);
-//! let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+//! let prepared = Prepared::of(scene);
 //! let context = Context::new(None)?;
 //! let mut session = Session::new(&context, &prepared, film, settings.seed)?;
 //! while session.samples() < 16 {
@@ -112,6 +112,7 @@ pub mod gpu;
 pub mod image;
 pub mod lab;
 pub mod output;
+pub mod prepare;
 pub mod reference;
 pub mod render;
 pub mod report;

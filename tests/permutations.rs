@@ -1,13 +1,12 @@
 //! Every variant of the kernel that a scene uses, and each effect alone, links and is valid WGSL.
 
-use crate::support::{STRATEGIES, own_scenes};
+use crate::support::{STRATEGIES, own_scenes, prepared_for};
 use clap::ValueEnum;
 use direkt::accel::parts::Split;
 use direkt::effects::{Effect, Effects};
 use direkt::gpu::SceneKernel;
 use direkt::gpu::kernel::DIRECT;
 use direkt::gpu::shader::Config;
-use direkt::render::Prepared;
 use direkt::scene::{LightSelection, ShadowPattern, Strategy};
 
 const CONFIG: Config = Config {
@@ -42,7 +41,7 @@ fn validate_with(effects: &Effects, config: Config, what: &str) -> String {
 fn every_scene_links_under_every_strategy() {
     for (name, scene) in own_scenes() {
         for strategy in STRATEGIES {
-            let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
+            let prepared = prepared_for(scene.clone(), strategy, LightSelection::Power);
             validate(&prepared.effects, &format!("{name}, {strategy}"));
         }
     }
@@ -57,7 +56,7 @@ fn shadow_rays_link_in_every_pattern() {
                 let mut scene = scene.clone();
                 scene.render.shadow_rays = 4;
                 scene.render.shadow_pattern = pattern;
-                let prepared = Prepared::new(scene, Strategy::MisPower, selection);
+                let prepared = prepared_for(scene, Strategy::MisPower, selection);
                 validate(
                     &prepared.effects,
                     &format!("{name}, {pattern}, {selection}"),
@@ -98,7 +97,7 @@ fn what_a_scene_does_not_call_for_is_not_in_its_shader() {
         .iter()
         .find(|(name, _)| name == "cornell.toml")
         .unwrap();
-    let prepared = Prepared::new(
+    let prepared = prepared_for(
         cornell.clone(),
         direkt::scene::Strategy::LightArea,
         LightSelection::Power,

@@ -10,8 +10,8 @@ use crate::console::print;
 use crate::error::Error;
 use crate::gpu::{AdapterFacts, Context};
 use crate::image::signed;
+use crate::prepare::Prepared;
 use crate::reference::BrokenTwin;
-use crate::render::Prepared;
 use crate::scene::{FilmSize, LightSelection, Sampler, ShadowPattern, Strategy};
 use serde::Serialize;
 use std::fmt::Write;
@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         CompareError::Gpu(e) => Error::Gpu(e),
     })?;
     bar.finish_and_clear();
-    let render = prepared.scene.render;
+    let render = prepared.settings;
     let report = Report {
         direkt: env!("CARGO_PKG_VERSION"),
         scene: path.to_string(),
@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         broken: settings.broken.map(|b| b.row().name),
         agrees: comparison.agrees(),
         comparison,
-        warnings: prepared.scene.warnings.clone(),
+        warnings: prepared.data.scene.warnings.clone(),
     };
     let mut failures = Failures::default();
     for (path, bytes) in images(arguments, settings.film, &report) {
@@ -159,8 +159,7 @@ fn prepare(
         exact: arguments.exact,
     };
     check_samples(&settings)?;
-    let render = scene.render;
-    let prepared = Prepared::new(scene, render.strategy, render.light_selection);
+    let prepared = Prepared::of(scene);
     check_broken(&prepared, arguments.broken)?;
     if let Some(bias) = prepared.bias().filter(|_| arguments.exact) {
         return Err(Error::Usage(format!("--exact: {bias}")));

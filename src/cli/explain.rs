@@ -23,7 +23,7 @@ use crate::gpu::kernel::DIRECT;
 use crate::gpu::shader::Config;
 use crate::gpu::{AdapterFacts, SceneKernel};
 use crate::image::extension;
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use crate::scene::load::schema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -120,8 +120,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let mut scene = arguments.assets.load(path, &mut plan, None)?;
     arguments.aov.apply(&mut scene);
     arguments.estimator.apply(&mut scene)?;
-    let settings = scene.render;
-    let mut prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    let mut prepared = Prepared::of(scene);
     let wgsl = SceneKernel::link(&DIRECT, &prepared.effects, Config::of(&prepared))?;
     if arguments.wgsl {
         print(&wgsl);
@@ -233,7 +232,7 @@ fn report(path: &Path, prepared: &Prepared, wgsl: &str) -> Result<Report, Error>
     let left_out = Effect::ALL
         .iter()
         .filter(|e| !prepared.effects.contains(**e));
-    let memory = memory::of(prepared, prepared.scene.film);
+    let memory = memory::of(prepared, prepared.film);
     let random_numbers = sample::random_numbers(prepared);
     Ok(Report {
         scene: path.display().to_string(),
@@ -245,15 +244,15 @@ fn report(path: &Path, prepared: &Prepared, wgsl: &str) -> Result<Report, Error>
         rays: sample::most_rays(prepared),
         random_numbers_per_sample: random_numbers.iter().map(RandomNumbers::count).sum(),
         random_numbers,
-        primitives: prepared.primitives.len(),
-        bvh_nodes: prepared.bvh.nodes.len(),
-        bvh_depth: prepared.bvh.depth,
+        primitives: prepared.data.primitives.len(),
+        bvh_nodes: prepared.data.bvh.nodes.len(),
+        bvh_depth: prepared.data.bvh.depth,
         lights: prepared.emitters.lights.len(),
-        aovs: aov::costs(prepared.scene.render.aovs),
+        aovs: aov::costs(prepared.settings.aovs),
         environment: environment_sampling(prepared),
         mis_compensation_unused: mis_compensation_unused(prepared),
         biased: prepared.bias(),
-        warnings: prepared.scene.warnings.clone(),
+        warnings: prepared.data.scene.warnings.clone(),
         adapter: None,
         measured: None,
     })
@@ -261,7 +260,7 @@ fn report(path: &Path, prepared: &Prepared, wgsl: &str) -> Result<Report, Error>
 
 fn environment_sampling(prepared: &Prepared) -> Option<EnvironmentSampling> {
     let grid = prepared.emitters.environment.as_ref()?;
-    let sampled = prepared.scene.render.strategy.samples_lights();
+    let sampled = prepared.settings.strategy.samples_lights();
     sampled.then_some(EnvironmentSampling {
         columns: grid.size[0],
         rows: grid.size[1],
@@ -271,7 +270,7 @@ fn environment_sampling(prepared: &Prepared) -> Option<EnvironmentSampling> {
 
 /// Why `mis_compensation`, which is asked for, changes nothing.
 fn mis_compensation_unused(prepared: &Prepared) -> Option<String> {
-    let settings = prepared.scene.render;
+    let settings = prepared.settings;
     if !settings.mis_compensation {
         return None;
     }

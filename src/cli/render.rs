@@ -14,9 +14,9 @@ use crate::console::say;
 use crate::error::{Error, GpuError, number};
 use crate::gpu::{AdapterFacts, Context};
 use crate::image::layers;
+use crate::prepare::Prepared;
 use crate::render::{
-    AovImages, Failure, Film, Pixel, Prepared, RayCounts, Session, render_aovs,
-    render_keeping_image,
+    AovImages, Failure, Film, Pixel, RayCounts, Session, render_aovs, render_keeping_image,
 };
 use crate::scene::{Aovs, Scene};
 use live::{Live, LiveArguments};
@@ -157,13 +157,12 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     let device = arguments.adapter.open();
     let scene = arguments.load(&mut plan, device.as_ref().ok())?;
     let load_seconds = start.elapsed().as_secs_f64();
-    let settings = scene.render;
-    let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    let prepared = Prepared::of(scene);
     if let Some(bias) = prepared.bias() {
         say(format_args!("direkt: warning: {bias}"));
     }
     let quiet = arguments.quiet || arguments.json.is_stdout();
-    let mut live = Live::new(&arguments.live, &arguments.outputs, &prepared.scene)?;
+    let mut live = Live::new(&arguments.live, &arguments.outputs, &prepared.data.scene)?;
     let mut failures = Failures::default();
     let rendered = render(
         arguments,
@@ -179,7 +178,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     }
     let seconds = Seconds {
         load: load_seconds,
-        accel: prepared.accel_seconds,
+        accel: prepared.data.accel_seconds,
         compile: rendered.device.compile_seconds,
         render: rendered.progressed.seconds,
         aovs: rendered.aov_seconds,
@@ -203,8 +202,8 @@ fn render(
     let mut begun = None;
     let work = |session: &mut Session<'_>| {
         let (passes, device) = begun.get_or_insert_with(|| {
-            announce(&prepared.scene, session, quiet);
-            let passes = Passes::new(&prepared.scene, interrupt.clone(), quiet);
+            announce(&prepared.data.scene, session, quiet);
+            let passes = Passes::new(&prepared.data.scene, interrupt.clone(), quiet);
             (passes, Device::of(session))
         });
         *device = Device::of(session);
@@ -285,7 +284,7 @@ impl Rendered {
         let (film, rays) = session.snapshot()?;
         let start = Instant::now();
         let samples = film.mean_samples();
-        let image = (film.size, prepared.scene.render.seed);
+        let image = (film.size, prepared.settings.seed);
         let aovs = match samples {
             0 => Ok(AovImages::default()),
             _ => render_aovs(session.context(), prepared, image, samples),
@@ -341,7 +340,7 @@ fn finish(
             written.push(path);
         }
     }
-    let checked = arguments.check.compare(&prepared.scene, film);
+    let checked = arguments.check.compare(&prepared.data.scene, film);
     report.check = checked.as_ref().ok().cloned().flatten();
     failures.note(arguments.json.write(plan, &report));
     if !(arguments.quiet || arguments.json.is_stdout()) {

@@ -13,10 +13,12 @@ use super::reference::Reference;
 use super::runner::{Runner, Seeds, prepare};
 use crate::error::Error;
 use crate::gpu::Context;
+use crate::prepare::SceneData;
 use crate::render::{ErrorGoal, Film, ImageError};
 use crate::scene::Scene;
 use crate::stats::moments::Moments;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// What to calibrate.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,8 +95,9 @@ pub fn calibrate(
     stop: &dyn Fn() -> bool,
 ) -> Result<Vec<Calibration>, Error> {
     let mut calibrations = Vec::new();
+    let data = Arc::new(SceneData::new(scene.clone()));
     for &estimator in &settings.estimators {
-        let prepared = prepare(scene, estimator)?;
+        let prepared = prepare(scene, &data, estimator)?;
         if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
             let source = scene.source.display();
             return Err(Error::Usage(format!("{source}: {estimator}: {reason}")));

@@ -7,8 +7,9 @@ use super::runner::{Runner, prepare};
 use super::schedule::Work;
 use crate::error::Error;
 use crate::gpu::Context;
-use crate::render::Prepared;
+use crate::prepare::{Prepared, SceneData};
 use crate::scene::{RenderSettings, Sampler, Scene, Strategy};
+use std::sync::Arc;
 
 impl<'a> Work<'a, '_> {
     /// Compiles the estimators that the scene can use, and that of the reference where it is `own_reference`.
@@ -34,7 +35,7 @@ impl<'a> Work<'a, '_> {
                 continue;
             }
             progress(&format!("compiling {estimator}"), 0.0);
-            let prepared = match usable(scene, estimator, &compiled) {
+            let prepared = match usable((scene, &self.data), estimator, &compiled) {
                 Ok(prepared) => prepared,
                 Err(reason) => {
                     self.not_applicable
@@ -67,7 +68,7 @@ impl<'a> Work<'a, '_> {
                 ..Estimator::of(&RenderSettings::default())
             };
             progress("compiling the reference", 0.0);
-            let prepared = prepare(scene, estimator).map_err(Error::from)?;
+            let prepared = prepare(scene, &self.data, estimator).map_err(Error::from)?;
             let runner = Runner::new(context, prepared, scene.film, estimator, None)?;
             self.own = Some(runner);
         }
@@ -78,11 +79,11 @@ impl<'a> Work<'a, '_> {
 /// The scene made ready for `estimator`, or why it is of no use there: `compiled` are those before, each after what it
 /// comes to.
 fn usable(
-    scene: &Scene,
+    (scene, data): (&Scene, &Arc<SceneData>),
     estimator: Estimator,
     compiled: &[(Estimator, Estimator)],
 ) -> Result<Prepared, String> {
-    let prepared = prepare(scene, estimator)
+    let prepared = prepare(scene, data, estimator)
         .map_err(|e| format!("{}: {}; expected {}", e.field, e.problem, e.expected))?;
     if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
         return Err(reason);

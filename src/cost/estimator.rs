@@ -3,7 +3,7 @@
 use super::effects::Compiled;
 use crate::effects::Effect;
 use crate::emitters::{Emitter, Emitters};
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use crate::scene::{
     LightSampling, LightSelection, RenderSettings, Sampler, ShadowPattern, Strategy,
 };

@@ -7,9 +7,11 @@ use super::halt::Halt;
 use crate::effects::Effect;
 use crate::error::{GpuError, InputError};
 use crate::gpu::Context;
+use crate::prepare::{Patterns, Prepared, SceneData};
 use crate::render::goal::{Look, Watch};
-use crate::render::{ErrorGoal, Film, Patterns, Prepared, RayCounts, Session, StopReason};
-use crate::scene::{FilmSize, Scene, validate};
+use crate::render::{ErrorGoal, Film, RayCounts, Session, StopReason};
+use crate::scene::{FilmSize, RenderSettings, Scene, validate};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Seeds that differ from each other, all derived from one.
@@ -102,7 +104,7 @@ impl<'a> Runner<'a> {
             session,
             shadow_rays: prepared.shadow_rays(),
             biased: prepared.bias(),
-            primitives: prepared.primitives.len(),
+            primitives: prepared.data.primitives.len(),
             seconds_per_count: f64::INFINITY,
             dropped: 0,
             without_need,
@@ -183,25 +185,26 @@ pub struct Replicates {
     pub errors: Errors,
 }
 
-/// The scene as `estimator` renders it, ready, with the effects that it calls for.
+/// `data` made ready for `estimator`, with the effects that it calls for; all else as `scene` says, which `data` was made of.
 ///
 /// # Errors
 /// It has too many lights for the estimator.
-pub fn prepare(scene: &Scene, estimator: Estimator) -> Result<Prepared, InputError> {
-    let mut scene = scene.clone();
-    scene.render.strategy = estimator.strategy;
-    scene.render.light_sampling = estimator.light_sampling;
-    scene.render.light_selection = estimator.light_selection;
-    scene.render.shadow_rays = estimator.shadow_rays;
-    scene.render.shadow_pattern = estimator.shadow_pattern;
-    scene.render.sampler = estimator.sampler;
-    validate::settings(&scene)?;
-    let Estimator {
-        strategy,
-        light_selection,
-        ..
-    } = estimator;
-    Ok(Prepared::new(scene, strategy, light_selection))
+pub fn prepare(
+    scene: &Scene,
+    data: &Arc<SceneData>,
+    estimator: Estimator,
+) -> Result<Prepared, InputError> {
+    let settings = RenderSettings {
+        strategy: estimator.strategy,
+        light_sampling: estimator.light_sampling,
+        light_selection: estimator.light_selection,
+        shadow_rays: estimator.shadow_rays,
+        shadow_pattern: estimator.shadow_pattern,
+        sampler: estimator.sampler,
+        ..scene.render
+    };
+    validate::settings(scene, &settings)?;
+    Ok(Prepared::new(data, settings))
 }
 
 #[cfg(test)]

@@ -9,8 +9,10 @@ use super::runner::{Replicates, Runner, Seeds};
 use super::{EqualTime, Progress, SceneCost, Settings};
 use crate::error::Error;
 use crate::gpu::Context;
+use crate::prepare::SceneData;
 use crate::render::Stamps;
 use crate::scene::{Sampler, Scene};
+use std::sync::Arc;
 
 /// Part of the budget for a reference of one's own.
 const REFERENCE_SHARE: f64 = 0.3;
@@ -28,6 +30,8 @@ const MAX_SAMPLES: u64 = 1 << 16;
 /// All estimators of one scene, at work.
 pub(super) struct Work<'a, 's> {
     pub(super) scene: &'s Scene,
+    /// What all estimators share.
+    pub(super) data: Arc<SceneData>,
     pub(super) settings: &'s Settings,
     pub(super) runners: Vec<Runner<'a>>,
     /// Renders the reference, where there is no other.
@@ -109,6 +113,7 @@ impl<'a, 's> Work<'a, 's> {
     fn new(scene: &'s Scene, settings: &'s Settings, stop: &'s dyn Fn() -> bool) -> Self {
         Self {
             scene,
+            data: Arc::new(SceneData::new(scene.clone())),
             settings,
             runners: Vec::new(),
             own: None,

@@ -6,8 +6,8 @@ use crate::emitters::{Emitter, Emitters, Selection};
 use crate::scene::light::Interpolation;
 use crate::scene::material::Fresnel;
 use crate::scene::{
-    EnvironmentMap, EnvironmentRadiance, LightSampling, Material, MaterialTextures, Sampler, Scene,
-    ShadowPattern, Strategy, TextureUse,
+    Camera, EnvironmentMap, EnvironmentRadiance, LightSampling, Material, MaterialTextures,
+    RenderSettings, Sampler, Scene, ShadowPattern, Strategy, TextureUse,
 };
 
 /// The width of a material's microfacet lobe.
@@ -63,13 +63,26 @@ fn rough_metal(material: &Material) -> Option<String> {
     (alpha > 0.0 && !coat).then(|| format!("energy_compensation = true, GGX with α = {alpha:.4}"))
 }
 
-/// A scene, and the effects that it was found to call for so far.
+/// A scene as an estimator renders it, of which the rules ask what it calls for.
+#[derive(Debug, Clone, Copy)]
+pub struct EffectQuery<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The camera, which may be another than the scene's.
+    pub camera: &'a Camera,
+    /// The estimator and all else that the table `[render]` holds.
+    pub settings: &'a RenderSettings,
+    /// The scene's primitives.
+    pub primitives: &'a [Primitive],
+    /// Their vertex normals, texture coordinates and colours.
+    pub attributes: &'a Attributes,
+    /// Its lights.
+    pub emitters: &'a Emitters,
+}
+
+/// A query, and the effects that were found to be called for so far.
 pub(super) struct Rules<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) primitives: &'a [Primitive],
-    pub(super) attributes: &'a Attributes,
-    pub(super) emitters: &'a Emitters,
-    pub(super) strategy: Strategy,
+    pub(super) query: &'a EffectQuery<'a>,
     pub(super) found: Effects,
 }
 
@@ -79,31 +92,37 @@ impl Rules<'_> {
     }
 
     fn name_of(&self, primitive: &Primitive) -> String {
-        self.scene.shapes[primitive.shape.index()].name.clone()
+        self.query.scene.shapes[primitive.shape.index()]
+            .name
+            .clone()
     }
 
     /// The first shape for which `wanted` holds.
     pub(super) fn shape(&self, wanted: fn(&PrimitiveGeometry) -> bool) -> Option<String> {
-        let found = self.primitives.iter().find(|p| wanted(&p.geometry));
+        let found = self.query.primitives.iter().find(|p| wanted(&p.geometry));
         found.map(|p| self.name_of(p))
     }
 
     /// The first material of a surface for which `why` says something.
     pub(super) fn material(&self, why: fn(&Material) -> Option<String>) -> Option<String> {
-        let mut asked = vec![false; self.scene.materials.len()];
-        self.primitives.iter().find_map(|p| {
+        let mut asked = vec![false; self.query.scene.materials.len()];
+        self.query.primitives.iter().find_map(|p| {
             let index = p.material.index();
             if std::mem::replace(&mut asked[index], true) {
                 return None;
             }
-            let material = &self.scene.materials[index];
+            let material = &self.query.scene.materials[index];
             why(material).map(|why| format!("materials.{}: {why}", material.name))
         })
     }
 
     /// The first primitive for whose attributes `wanted` holds.
     pub(super) fn attributed(&self, wanted: fn(&Attributed) -> bool) -> Option<String> {
-        let primitives = self.primitives.iter().zip(&self.attributes.of_primitive);
+        let primitives = self
+            .query
+            .primitives
+            .iter()
+            .zip(&self.query.attributes.of_primitive);
         let mut primitives = primitives.filter(|(_, attributes)| wanted(attributes));
         primitives.next().map(|(p, _)| self.name_of(p))
     }
@@ -118,11 +137,15 @@ impl Rules<'_> {
 
     /// The same of all that a material reads.
     fn texture_of(&self, which: impl Fn(&Material) -> Option<TextureUse>) -> Option<String> {
-        let primitives = self.primitives.iter().zip(&self.attributes.of_primitive);
+        let primitives = self
+            .query
+            .primitives
+            .iter()
+            .zip(&self.query.attributes.of_primitive);
         let mut primitives = primitives.filter(|(_, attributes)| attributes.uvs);
         primitives.find_map(|(p, _)| {
-            let material = &self.scene.materials[p.material.index()];
-            let texture = &self.scene.textures[which(material)?.texture.index()];
+            let material = &self.query.scene.materials[p.material.index()];
+            let texture = &self.query.scene.textures[which(material)?.texture.index()];
             Some(format!(
                 "materials.{}: {} ({} × {})",
                 material.name, texture.source, texture.width, texture.height
@@ -132,14 +155,21 @@ impl Rules<'_> {
 
     /// The first opacity of a primitive that is not 1 everywhere.
     pub(super) fn opacity(&self) -> Option<String> {
-        let primitives = self.primitives.iter().zip(&self.attributes.of_primitive);
+        let primitives = self
+            .query
+            .primitives
+            .iter()
+            .zip(&self.query.attributes.of_primitive);
         let mut primitives = primitives.filter(|(_, attributes)| attributes.opacity);
         primitives.next().map(|(p, attributes)| {
-            let material = &self.scene.materials[p.material.index()];
+            let material = &self.query.scene.materials[p.material.index()];
             let opacity = &material.opacity;
             let mut said = format!("materials.{}: opacity {}", material.name, opacity.factor);
             if let Some(used) = opacity.texture.filter(|_| attributes.uvs) {
-                said += &format!(" × {}", self.scene.textures[used.texture.index()].source);
+                said += &format!(
+                    " × {}",
+                    self.query.scene.textures[used.texture.index()].source
+                );
             }
             if attributes.colors {
                 said += " × vertex alpha";
@@ -154,14 +184,14 @@ impl Rules<'_> {
 
     /// The first shape with an opacity that emits and is sampled.
     pub(super) fn alpha_lights(&self) -> Option<String> {
-        let mut lights = self.emitters.lights.iter().enumerate();
+        let mut lights = self.query.emitters.lights.iter().enumerate();
         lights.find_map(|(index, light)| {
             let Emitter::Area { primitive, .. } = light else {
                 return None;
             };
-            let opacity = self.attributes.of_primitive[*primitive as usize].opacity;
-            let sampled = self.emitters.probability(index) > 0.0;
-            let name = || self.name_of(&self.primitives[*primitive as usize]);
+            let opacity = self.query.attributes.of_primitive[*primitive as usize].opacity;
+            let sampled = self.query.emitters.probability(index) > 0.0;
+            let name = || self.name_of(&self.query.primitives[*primitive as usize]);
             (opacity && sampled).then(|| format!("{} emits and has an opacity", name()))
         })
     }
@@ -171,7 +201,7 @@ impl Rules<'_> {
     }
 
     pub(super) fn energy_compensation(&self) -> Option<String> {
-        let wanted = self.scene.render.energy_compensation;
+        let wanted = self.query.settings.energy_compensation;
         wanted.then(|| self.material(rough_metal)).flatten()
     }
 
@@ -181,13 +211,13 @@ impl Rules<'_> {
         &self,
         wanted: fn(&PrimitiveGeometry, bool) -> bool,
     ) -> Option<String> {
-        let mut lights = self.emitters.lights.iter().enumerate();
+        let mut lights = self.query.emitters.lights.iter().enumerate();
         lights.find_map(|(index, light)| {
             let Emitter::Area { primitive, .. } = light else {
                 return None;
             };
-            let primitive = &self.primitives[*primitive as usize];
-            let sampled = self.emitters.probability(index) > 0.0;
+            let primitive = &self.query.primitives[*primitive as usize];
+            let sampled = self.query.emitters.probability(index) > 0.0;
             wanted(&primitive.geometry, sampled)
                 .then(|| format!("{} emits", self.name_of(primitive)))
         })
@@ -195,11 +225,11 @@ impl Rules<'_> {
 
     /// The first texture that varies a light.
     pub(super) fn emissive_texture(&self) -> Option<String> {
-        let map = self.emitters.maps.first()?;
-        let texture = &self.scene.textures[map.texture.texture.index()];
+        let map = self.query.emitters.maps.first()?;
+        let texture = &self.query.scene.textures[map.texture.texture.index()];
         Some(format!(
             "{} emits {} ({} × {})",
-            self.scene.shapes[map.shape.index()].name,
+            self.query.scene.shapes[map.shape.index()].name,
             texture.source,
             texture.width,
             texture.height
@@ -208,7 +238,8 @@ impl Rules<'_> {
 
     /// The first light for which `name` says something.
     pub(super) fn light(&self, name: fn(&Emitter) -> Option<&'static str>) -> Option<String> {
-        self.emitters
+        self.query
+            .emitters
             .lights
             .iter()
             .find_map(name)
@@ -216,7 +247,7 @@ impl Rules<'_> {
     }
 
     fn map(&self) -> Option<&EnvironmentMap> {
-        let environment = self.scene.environment.as_ref()?;
+        let environment = self.query.scene.environment.as_ref()?;
         match &environment.radiance {
             EnvironmentRadiance::Map(map) if self.has(Effect::Environment) => Some(map),
             _ => None,
@@ -248,43 +279,52 @@ impl Rules<'_> {
     }
 
     pub(super) fn light_choice(&self) -> Option<String> {
-        let lights = self.emitters.lights.len();
-        let one = matches!(self.emitters.selection, Some(Selection::One(_)));
+        let lights = self.query.emitters.lights.len();
+        let one = matches!(self.query.emitters.selection, Some(Selection::One(_)));
         (one && lights > 1).then(|| format!("{lights} lights"))
     }
 
     pub(super) fn light_tree(&self) -> Option<String> {
-        let tree = matches!(self.emitters.selection, Some(Selection::Tree(_)));
-        let lights = self.emitters.lights.len();
+        let tree = matches!(self.query.emitters.selection, Some(Selection::Tree(_)));
+        let lights = self.query.emitters.lights.len();
         tree.then(|| format!("light_selection = \"tree\", {lights} lights"))
     }
 
     pub(super) fn all_lights(&self) -> Option<String> {
-        let all = matches!(self.emitters.selection, Some(Selection::All(_)));
-        all.then(|| format!("light selection all, {} lights", self.emitters.lights.len()))
+        let all = matches!(self.query.emitters.selection, Some(Selection::All(_)));
+        all.then(|| {
+            format!(
+                "light selection all, {} lights",
+                self.query.emitters.lights.len()
+            )
+        })
     }
 
     /// Whether some light that is sampled has a surface, or is the environment.
     fn samples_extended_lights(&self) -> bool {
-        let mut sampled = self.emitters.sampled();
+        let mut sampled = self.query.emitters.sampled();
         sampled.any(|light| !matches!(light, Emitter::Delta(_)))
     }
 
     /// Called for where a second ray can differ from the first.
     pub(super) fn shadow_rays(&self) -> Option<String> {
-        let rays = self.scene.render.shadow_rays;
-        let center = self.scene.render.shadow_pattern == ShadowPattern::Center;
-        let has_texels = self.emitters.environment.is_some()
-            && self.emitters.sampled().any(|l| *l == Emitter::Environment);
+        let rays = self.query.settings.shadow_rays;
+        let center = self.query.settings.shadow_pattern == ShadowPattern::Center;
+        let has_texels = self.query.emitters.environment.is_some()
+            && self
+                .query
+                .emitters
+                .sampled()
+                .any(|l| *l == Emitter::Environment);
         let chooses = self.has(Effect::LightChoice) || self.has(Effect::LightTree);
-        let chosen = chooses && self.emitters.sampled().count() > 1;
+        let chosen = chooses && self.query.emitters.sampled().count() > 1;
         let differ = chosen || has_texels || (self.samples_extended_lights() && !center);
         (rays > 1 && differ).then(|| format!("shadow_rays = {rays}"))
     }
 
     /// Called for where its points can differ from others. A grid of one cell is its centre.
     pub(super) fn shadow_pattern(&self, effect: ShadowPattern) -> Option<String> {
-        let asked = self.scene.render.shadow_pattern;
+        let asked = self.query.settings.shadow_pattern;
         let extended = self.samples_extended_lights();
         let several = self.has(Effect::ShadowRays);
         let used = match asked {
@@ -297,8 +337,8 @@ impl Rules<'_> {
     }
 
     pub(super) fn light_sampling(&self) -> Option<String> {
-        self.emitters.selection.as_ref()?;
-        Some(if self.strategy.samples_lights() {
+        self.query.emitters.selection.as_ref()?;
+        Some(if self.query.settings.strategy.samples_lights() {
             self.by_strategy()
         } else {
             "lights without a surface, which no other strategy reaches".to_owned()
@@ -306,26 +346,27 @@ impl Rules<'_> {
     }
 
     fn by_strategy(&self) -> String {
-        format!("strategy {}", self.strategy)
+        format!("strategy {}", self.query.settings.strategy)
     }
 
     pub(super) fn bsdf_sampling(&self) -> Option<String> {
         let can_be_hit = [Effect::AreaLights, Effect::Suns, Effect::Environment];
         let reachable = can_be_hit.into_iter().any(|effect| self.has(effect));
-        (self.strategy.samples_directions() && reachable).then(|| self.by_strategy())
+        (self.query.settings.strategy.samples_directions() && reachable).then(|| self.by_strategy())
     }
 
     /// What `strategy` alone does with sampled directions.
     pub(super) fn directions(&self, strategy: Strategy) -> Option<String> {
-        (self.has(Effect::SampleBsdf) && self.strategy == strategy).then(|| self.by_strategy())
+        (self.has(Effect::SampleBsdf) && self.query.settings.strategy == strategy)
+            .then(|| self.by_strategy())
     }
 
     fn sampling_of_lights(&self) -> LightSampling {
-        match self.strategy {
+        match self.query.settings.strategy {
             Strategy::LightArea => LightSampling::Area,
             Strategy::LightSolidAngle => LightSampling::SolidAngle,
             Strategy::LightProjectedSolidAngle => LightSampling::ProjectedSolidAngle,
-            _ => self.scene.render.light_sampling,
+            _ => self.query.settings.light_sampling,
         }
     }
 
@@ -346,27 +387,27 @@ impl Rules<'_> {
     }
 
     pub(super) fn depth_of_field(&self) -> Option<String> {
-        let radius = self.scene.camera.lens.radius;
+        let radius = self.query.camera.lens.radius;
         (radius > 0.0).then(|| format!("camera.lens_radius = {radius}"))
     }
 
     pub(super) fn orthographic(&self) -> Option<String> {
-        let orthographic = self.scene.camera.is_orthographic();
+        let orthographic = self.query.camera.is_orthographic();
         orthographic.then(|| "camera.type = \"orthographic\"".to_owned())
     }
 
     pub(super) fn pixel_filter(&self) -> Option<String> {
-        let filter = self.scene.filter;
+        let filter = self.query.scene.filter;
         let (kind, radius) = (filter.kind, filter.radius);
         (!filter.is_pixel()).then(|| format!("film.filter = \"{kind}\" of radius {radius}"))
     }
 
     pub(super) fn light_groups(&self) -> Option<String> {
-        let names = &self.emitters.groups.names;
+        let names = &self.query.emitters.groups.names;
         (!names.is_empty()).then(|| format!("AOV light-groups: {}", names.join(", ")))
     }
 
     pub(super) fn sampler(&self, sampler: Sampler) -> Option<String> {
-        (self.scene.render.sampler == sampler).then(|| format!("sampler {sampler}"))
+        (self.query.settings.sampler == sampler).then(|| format!("sampler {sampler}"))
     }
 }

@@ -1,7 +1,7 @@
 //! The group of every light.
 
 use crate::scene::light_groups::DEFAULT_GROUP;
-use crate::scene::{Aov, Scene};
+use crate::scene::{Aov, RenderSettings, Scene};
 
 /// The groups of a render's lights.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -13,8 +13,8 @@ pub struct EmitterGroups {
 
 impl EmitterGroups {
     /// The groups of lights that name them in `scene`, or name none. Empty unless [`Aov::LightGroups`] is asked for.
-    pub(super) fn new(scene: &Scene, of_light: &[Option<u32>]) -> Self {
-        if !scene.render.aovs.contains(Aov::LightGroups) {
+    pub(super) fn new(scene: &Scene, settings: &RenderSettings, of_light: &[Option<u32>]) -> Self {
+        if !settings.aovs.contains(Aov::LightGroups) {
             return Self::default();
         }
         let mut names = scene.light_groups.names().to_vec();

@@ -19,7 +19,7 @@ pub use tree::LightTree;
 use crate::accel::Primitive;
 use crate::scene::normalize::Normalization;
 use crate::scene::{
-    Emission, Environment, EnvironmentRadiance, Light, LightSelection, Scene, Strategy,
+    Emission, Environment, EnvironmentRadiance, Light, LightSelection, RenderSettings, Scene,
 };
 use emission_map::{Varies, of_primitives};
 use glam::DVec3;
@@ -97,16 +97,20 @@ impl Emitters {
         })
     }
 
-    /// Lists the lights of `scene`, whose primitives are `primitives`.
+    /// Lists the lights of `scene`, whose primitives are `primitives`, as `settings` sample them.
     ///
     /// With strategies that do not sample lights only those without a surface are ever chosen: nothing else reaches them.
     pub fn new(
         scene: &Scene,
         normalization: &Normalization,
         primitives: &[Primitive],
-        strategy: Strategy,
-        selection: LightSelection,
+        settings: &RenderSettings,
     ) -> Self {
+        let RenderSettings {
+            strategy,
+            light_selection: selection,
+            ..
+        } = *settings;
         let Surfaces {
             mut lights,
             mut power,
@@ -142,7 +146,7 @@ impl Emitters {
                 lights.push(Emitter::Environment);
                 groups.push(scene.light_groups.of_environment());
                 if let EnvironmentRadiance::Map(map) = &environment.radiance {
-                    grid = if scene.render.mis_compensation && strategy.is_mis() {
+                    grid = if settings.mis_compensation && strategy.is_mis() {
                         EnvironmentGrid::compensated(map)
                     } else {
                         EnvironmentGrid::new(map)
@@ -174,7 +178,7 @@ impl Emitters {
             lights,
             environment: grid,
             maps,
-            groups: EmitterGroups::new(scene, &groups),
+            groups: EmitterGroups::new(scene, settings, &groups),
             unit,
         }
     }

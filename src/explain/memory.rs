@@ -3,7 +3,7 @@
 use crate::effects::Effect;
 use crate::gpu::SceneBuffers;
 use crate::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS};
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use crate::render::memory::host_bytes;
 use crate::scene::FilmSize;
 use serde::Serialize;

@@ -12,7 +12,8 @@ use crate::cost::{Interval, Progress};
 use crate::effects::{Effect, Effects};
 use crate::error::{Error, GpuError};
 use crate::gpu::Context;
-use crate::render::{Prepared, RayCounts, Session, Stamps, StopReason};
+use crate::prepare::Prepared;
+use crate::render::{RayCounts, Session, Stamps, StopReason};
 use crate::scene::FilmSize;
 use crate::stats::interval::student_95;
 use crate::stats::moments::Moments;
@@ -99,8 +100,8 @@ pub fn measure(
     let called_for = prepared.effects.clone();
     let mut rounds = Rounds {
         context,
-        film: measured_film(prepared.scene.film),
-        seed: prepared.scene.render.seed,
+        film: measured_film(prepared.film),
+        seed: prepared.settings.seed,
         prepared,
         candidates: candidates(&called_for, effects),
         samples: 1,

@@ -2,7 +2,7 @@
 
 use crate::effects::Effect;
 use crate::emitters::Emitter;
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use serde::Serialize;
 
 /// Rays of one sample.

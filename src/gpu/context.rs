@@ -1,7 +1,7 @@
 //! The adapter and the device.
 
+use super::gpu_scene::{BINDINGS_OF_SPLIT, GpuScenes};
 use super::kernels::Kernels;
-use super::scene_buffers::BINDINGS_OF_SPLIT;
 use crate::accel::flatten::MAX_PRIMITIVES;
 use crate::accel::parts::{PARTS, PRIMITIVE_WORDS, Split, WORD_BYTES};
 use crate::error::GpuError;
@@ -47,6 +47,7 @@ pub struct Context {
     /// The limits that the device was opened with: all that the adapter has.
     pub limits: wgpu::Limits,
     pub(super) kernels: Kernels,
+    pub(super) scenes: GpuScenes,
     troubles: Arc<Mutex<Troubles>>,
 }
 
@@ -141,6 +142,7 @@ impl Context {
             adapter: facts,
             limits,
             kernels: Kernels::default(),
+            scenes: GpuScenes::default(),
             troubles,
         })
     }

@@ -6,62 +6,50 @@ use super::lights::alias_words;
 use super::scene_buffers::Word;
 use crate::emitters::EnvironmentGrid;
 use crate::error::GpuError;
-use crate::scene::EnvironmentMap;
+use crate::scene::{EnvironmentMap, EnvironmentRadiance, Scene};
 
-/// An environment map and its sampling grid.
-#[derive(Debug)]
-pub struct EnvironmentBuffers {
-    /// One word per cell.
-    pub alias: GpuBuffer<Word>,
-    /// Radiance.
-    pub texels: wgpu::TextureView,
-    /// Cells per row and column.
-    pub grid: [u32; 2],
+/// The environment map of `scene`, where it has one.
+pub(super) fn map_of(scene: &Scene) -> Option<&EnvironmentMap> {
+    match &scene.environment.as_ref()?.radiance {
+        EnvironmentRadiance::Map(map) => Some(map),
+        EnvironmentRadiance::Constant(_) => None,
+    }
 }
 
-impl EnvironmentBuffers {
-    /// Uploads `map` and its sampling grid.
-    ///
-    /// # Errors
-    /// The map has more texels along a side than the adapter's textures, or memory runs out.
-    pub fn new(
-        context: &Context,
-        map: &EnvironmentMap,
-        grid: &EnvironmentGrid,
-    ) -> Result<Self, GpuError> {
-        let side = u64::from(map.width.max(map.height));
-        let limit = u64::from(context.limits.max_texture_dimension_2d);
-        if side > limit {
-            return Err(GpuError::TooLarge {
-                what: format!(
-                    "a row of the environment map {} ({} × {} texels)",
-                    map.source, map.width, map.height
-                ),
-                needed: side * 16,
-                limit: limit * 16,
-                adapter: context.adapter.name.clone(),
-            });
-        }
-        let words = alias_words(&grid.table, |cell| grid.table.probability[cell]);
-        let texels: Vec<[f32; 4]> = map.texels.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
-        context.checked(|| Self {
-            alias: GpuBuffer::storage(&context.device, "scene.environment_alias", &words),
-            texels: upload_texels(context, [map.width, map.height], &texels),
-            grid: grid.size,
-        })
-    }
+/// Uploads the alias table over the cells of `grid`; without one, what is bound in its place.
+pub(super) fn alias(device: &wgpu::Device, grid: Option<&EnvironmentGrid>) -> GpuBuffer<Word> {
+    let words = grid.map_or_else(Vec::new, |grid| {
+        alias_words(&grid.table, |cell| grid.table.probability[cell])
+    });
+    GpuBuffer::storage(device, "scene.environment_alias", &words)
+}
 
-    /// What is bound where there is no map: a black texel.
-    ///
-    /// # Errors
-    /// Memory runs out.
-    pub fn none(context: &Context) -> Result<Self, GpuError> {
-        context.checked(|| Self {
-            alias: GpuBuffer::storage(&context.device, "scene.environment_alias", &[]),
-            texels: upload_texels(context, [1, 1], &[[0.0; 4]]),
-            grid: [1, 1],
-        })
+/// Uploads the radiance of `map`; a black texel where there is none.
+///
+/// # Errors
+/// The map has more texels along a side than the adapter's textures, or memory runs out.
+pub(super) fn texels(
+    context: &Context,
+    map: Option<&EnvironmentMap>,
+) -> Result<wgpu::TextureView, GpuError> {
+    let Some(map) = map else {
+        return context.checked(|| upload_texels(context, [1, 1], &[[0.0; 4]]));
+    };
+    let side = u64::from(map.width.max(map.height));
+    let limit = u64::from(context.limits.max_texture_dimension_2d);
+    if side > limit {
+        return Err(GpuError::TooLarge {
+            what: format!(
+                "a row of the environment map {} ({} × {} texels)",
+                map.source, map.width, map.height
+            ),
+            needed: side * 16,
+            limit: limit * 16,
+            adapter: context.adapter.name.clone(),
+        });
     }
+    let texels: Vec<[f32; 4]> = map.texels.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
+    context.checked(|| upload_texels(context, [map.width, map.height], &texels))
 }
 
 fn upload_texels(

@@ -6,7 +6,7 @@ use super::layout::{Dispatch, FeatureSums, SurfaceRecord};
 use super::program::POISON;
 use super::tiles::TileProgram;
 use crate::error::GpuError;
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use crate::scene::FilmSize;
 
 /// Samples of one dispatch at most.

@@ -2,12 +2,14 @@
 
 use super::buffer::GpuBuffer;
 use super::context::Context;
+use super::gpu_scene::GpuScene;
 use super::layout::{Dispatch, Frame, GroupMean, PixelState};
 use super::scene_buffers::SceneBuffers;
 use super::shader::{self, Config};
 use crate::accel::parts::PARTS;
 use crate::effects::{Effect, Effects};
 use crate::error::GpuError;
+use std::sync::Arc;
 
 /// A kernel over a scene: a pipeline and the layouts of its bind groups. Group 0 holds the frame, a region's pixels and
 /// what changes per dispatch, group 1 the scene, group 2 whatever else the kernel reads and writes.
@@ -95,7 +97,11 @@ pub struct RegionBindings(wgpu::BindGroup);
 
 /// Bind group 1: the scene.
 #[derive(Debug)]
-pub struct SceneBindings(wgpu::BindGroup);
+pub struct SceneBindings {
+    group: wgpu::BindGroup,
+    /// So that the device holds it for those who come later.
+    _scene: Arc<GpuScene>,
+}
 
 /// Bind group 2: what only this kernel has.
 #[derive(Debug)]
@@ -325,23 +331,24 @@ impl SceneKernel {
     }
 
     /// Binds the scene.
-    pub fn bind_scene(&self, device: &wgpu::Device, scene: &SceneBuffers) -> SceneBindings {
+    pub fn bind_scene(&self, device: &wgpu::Device, buffers: &SceneBuffers) -> SceneBindings {
+        let scene = &buffers.scene;
         let resources = [
             scene.nodes.binding(0),
             scene.primitives.binding(0),
-            scene.materials.binding(),
-            scene.lights.binding(),
-            scene.light_choice.binding(),
+            buffers.materials.binding(),
+            buffers.lights.binding(),
+            buffers.light_choice.binding(),
         ];
         let texture = wgpu::BindingResource::TextureView;
         let mut resources: Vec<_> = (0..).zip(resources).collect();
         resources.extend([
-            (5, scene.environment.alias.binding()),
-            (6, texture(&scene.environment.texels)),
+            (5, buffers.environment_alias.binding()),
+            (6, texture(&scene.environment)),
             (7, scene.attributes.binding(0)),
             (8, texture(&scene.textures.colors.view)),
             (9, texture(&scene.textures.data.view)),
-            (10, scene.emission_cells.binding()),
+            (10, buffers.emission_cells.binding()),
         ]);
         for part in 1..PARTS {
             let binding = |first: u32| first + part as u32 - 1;
@@ -352,7 +359,10 @@ impl SceneKernel {
             ]);
         }
         resources.retain(|(binding, _)| self.scene_bindings.contains(binding));
-        SceneBindings(bind(device, self.label, &self.scene_layout, resources))
+        SceneBindings {
+            group: bind(device, self.label, &self.scene_layout, resources),
+            _scene: Arc::clone(scene),
+        }
     }
 
     /// Binds group 2.
@@ -384,7 +394,7 @@ impl SceneKernel {
         });
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &region.0, &[]);
-        pass.set_bind_group(1, &scene.0, &[]);
+        pass.set_bind_group(1, &scene.group, &[]);
         if let Some(own) = own {
             pass.set_bind_group(2, &own.0, &[]);
         }

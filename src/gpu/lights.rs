@@ -9,7 +9,7 @@ use super::scene_buffers::{Word, bits, word};
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
 use crate::emitters::{EmissionMap, Emitter, Selection};
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use crate::scene::Light;
 use crate::scene::alias_table::AliasTable;
 use glam::DVec3;
@@ -47,7 +47,7 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
                 map,
             } => {
                 let mut words = area_light(
-                    &prepared.primitives[primitive as usize].geometry,
+                    &prepared.data.primitives[primitive as usize].geometry,
                     radiance * per_unit,
                     two_sided,
                     [samples, trail(index)],
@@ -79,7 +79,7 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
     let primitives = prepared.emitters.lights.iter().filter(|_| opacities);
     let primitives = primitives.map(|emitter| match emitter {
         Emitter::Area { primitive, .. }
-            if prepared.attributes.of_primitive[*primitive as usize].opacity =>
+            if prepared.data.attributes.of_primitive[*primitive as usize].opacity =>
         {
             [*primitive, 0, 0, 0]
         }

@@ -7,6 +7,7 @@ use super::layout::{
 };
 use super::scene_buffers::{Word, bits, word};
 use super::textures::Atlas;
+use crate::prepare::Prepared;
 use crate::scene::light::Interpolation;
 use crate::scene::material::{BsdfParameters, Fresnel};
 use crate::scene::{Bsdf, Geometry, Material, Scene, TextureUse, Wrap};
@@ -27,11 +28,12 @@ pub(super) struct MaterialWords {
     pub(super) emission: Vec<u32>,
 }
 
-/// The materials of `scene`. The atlases of colours and of other numbers tell where textures lie.
-pub(super) fn material_words(scene: &Scene, [colors, data]: [&Atlas; 2]) -> MaterialWords {
+/// The materials of `prepared`. The atlases of colours and of other numbers tell where textures lie.
+pub(super) fn material_words(prepared: &Prepared, [colors, data]: [&Atlas; 2]) -> MaterialWords {
+    let scene = &prepared.data.scene;
     let materials = scene.materials.iter();
     let mut words: Vec<Word> = materials
-        .flat_map(|m| one_material(&m.bsdf.parameters(), scene.render.energy_compensation))
+        .flat_map(|m| one_material(&m.bsdf.parameters(), prepared.settings.energy_compensation))
         .collect();
     let colored = under_vertex_colors(scene);
     let varied = scene.materials.iter().enumerate();

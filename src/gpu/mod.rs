@@ -3,8 +3,10 @@
 pub mod buffer;
 pub mod context;
 pub mod doctor;
-pub mod environment;
+mod environment;
 pub mod features;
+mod frame;
+mod gpu_scene;
 pub mod kernel;
 mod kernels;
 pub mod layout;
@@ -20,5 +22,7 @@ pub mod tiles;
 
 pub use buffer::GpuBuffer;
 pub use context::{AdapterFacts, Context};
+pub use frame::frame_of;
+pub use gpu_scene::GpuScene;
 pub use kernel::SceneKernel;
 pub use scene_buffers::SceneBuffers;

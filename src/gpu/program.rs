@@ -2,12 +2,13 @@
 
 use super::buffer::GpuBuffer;
 use super::context::Context;
+use super::frame::frame_of;
 use super::kernel::{Entry, OwnBindings, PassBuffers, RegionBindings, SceneBindings, SceneKernel};
 use super::layout::{Dispatch, Frame, PixelState, TILE_PIXELS};
-use super::scene_buffers::{self, SceneBuffers};
+use super::scene_buffers::SceneBuffers;
 use super::shader::Config;
 use crate::error::GpuError;
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use crate::scene::FilmSize;
 
 /// A word that no kernel writes; buffers are filled with it so that slots which were never written are seen.
@@ -44,7 +45,7 @@ impl<'a> SceneProgram<'a> {
         let storage = wgpu::BufferUsages::STORAGE;
         context.checked(|| {
             let frame: GpuBuffer<Frame> = GpuBuffer::zeroed(device, "program.frame", 1, uniform);
-            let data = scene_buffers::frame(prepared, film, seed, buffers.environment.grid);
+            let data = frame_of(prepared, film, seed);
             let bytes = bytemuck::bytes_of(&data);
             context.queue.write_buffer(frame.raw(), 0, bytes);
             let dispatch = GpuBuffer::zeroed(device, "program.dispatch", 1, uniform);

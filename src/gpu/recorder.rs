@@ -6,7 +6,7 @@ use super::layout::{Dispatch, SampleRecord};
 use super::program::POISON;
 use super::tiles::TileProgram;
 use crate::error::GpuError;
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use crate::scene::FilmSize;
 
 /// Writes out samples of a render, one per pixel at a time, with what their rays met.

@@ -1,26 +1,19 @@
-//! The scene as the GPU reads it.
+//! What one estimator reads of a scene.
 
 use super::buffer::GpuBuffer;
 use super::context::Context;
-use super::environment::EnvironmentBuffers;
-use super::layout::{
-    ATTRIBUTE_BITS, EMISSION_MASK, FILTER_WORDS, Frame, HAS_COLORS, HAS_NORMALS, HAS_OPACITY,
-    HAS_TANGENTS, HAS_UVS, KIND_DISK, KIND_ELLIPSOID, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE,
-    MATERIAL_SHIFT, NONE, ONE_SIDED_BIT, TILE,
-};
-use super::lights::{choice_words, emission_cell_words, first_emission_word, light_words};
+use super::environment::{alias, map_of};
+use super::gpu_scene::GpuScene;
+use super::layout::EMISSION_MASK;
+use super::lights::{choice_words, emission_cell_words, light_words};
 use super::materials::{MaterialWords, material_words};
-use super::parts::{Parts, largest_part};
-use super::textures::{TextureArrays, atlases};
+use super::textures::atlases;
+use crate::accel::Node;
 use crate::accel::parts::PRIMITIVE_WORDS;
-use crate::accel::{Attributed, Node, Primitive, PrimitiveGeometry};
-use crate::emitters::{Emitter, Selection};
 use crate::error::GpuError;
-use crate::render::Prepared;
-use crate::scene::filter::FilterTable;
-use crate::scene::light::Interpolation;
-use crate::scene::{EnvironmentRadiance, FilmSize, Scene};
+use crate::prepare::Prepared;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// One 16-byte word of a record.
 pub(super) type Word = [u32; 4];
@@ -28,10 +21,8 @@ pub(super) type Word = [u32; 4];
 /// The scene's buffers; record formats are those of `shaders/scene/fetch.wesl`.
 #[derive(Debug)]
 pub struct SceneBuffers {
-    /// Inner nodes of the BVH.
-    pub nodes: Parts<Node>,
-    /// Three words per primitive.
-    pub primitives: Parts<Word>,
+    /// Geometry and images, which other estimators share.
+    pub scene: Arc<GpuScene>,
     /// [`MATERIAL_WORDS`](super::layout::MATERIAL_WORDS) words per material, and those of textures.
     pub materials: GpuBuffer<Word>,
     /// [`LIGHT_WORDS`](super::layout::LIGHT_WORDS) words per light, and those of maps of emission.
@@ -39,113 +30,61 @@ pub struct SceneBuffers {
     /// What lights are chosen by: an alias table, one word per light; or a light tree, three words per node and one per
     /// light outside of it.
     pub light_choice: GpuBuffer<Word>,
-    /// The environment map; a texel where there is none.
-    pub environment: EnvironmentBuffers,
-    /// Words of [`Attributes`](crate::accel::Attributes).
-    pub attributes: Parts<[f32; 4]>,
-    /// Textures of materials and lights.
-    pub textures: TextureArrays,
+    /// What directions towards the environment map are chosen by: one word per cell of its sampling grid.
+    pub environment_alias: GpuBuffer<Word>,
     /// One word per cell of the maps of emission.
     pub emission_cells: GpuBuffer<Word>,
 }
 
 impl SceneBuffers {
-    /// Uploads a scene.
+    /// Uploads what `prepared` needs; of geometry and images what the device does not hold.
     ///
     /// # Errors
     /// A buffer or the environment map is larger than the adapter binds, or memory runs out.
     pub fn new(context: &Context, prepared: &Prepared) -> Result<Self, GpuError> {
         check_maps(context, prepared)?;
-        check_bindings(context, prepared)?;
-        let split = prepared.split;
-        let primitives = primitive_words(prepared);
-        let attributes = prepared.attributes.words.as_slice();
-        check_attributes(context, prepared)?;
-        let textures = TextureArrays::new(context, &prepared.scene)?;
-        let places = [&textures.colors.atlas, &textures.data.atlas];
+        let scene = context.scenes.get(context, prepared)?;
+        let places = [&scene.textures.colors.atlas, &scene.textures.data.atlas];
         let MaterialWords {
             words: materials,
             emission,
-        } = material_words(&prepared.scene, places);
+        } = material_words(prepared, places);
         let lights = light_words(prepared, &emission);
         let cells = emission_cell_words(prepared);
         let choice = choice_words(prepared);
-        let bytes = |words: &[Word]| size_of_val(words) as u64;
-        for (what, bytes) in [
-            (
-                "the BVH's nodes",
-                largest_part(&prepared.bvh.nodes, split.map(|s| s.nodes)),
-            ),
-            (
-                "the primitives",
-                largest_part(&primitives, split.map(|s| PRIMITIVE_WORDS * s.primitives)),
-            ),
-            (
-                "the vertex normals, texture coordinates and colours",
-                largest_part(attributes, split.map(|s| s.words)),
-            ),
-            ("the materials", bytes(&materials)),
-            ("the lights", bytes(&lights)),
-            ("what lights are chosen by", bytes(&choice)),
-            (
-                "what points on textured lights are chosen by",
-                bytes(&cells),
-            ),
+        for (what, words) in [
+            ("the materials", &materials),
+            ("the lights", &lights),
+            ("what lights are chosen by", &choice),
+            ("what points on textured lights are chosen by", &cells),
         ] {
-            check_size(context, what, bytes)?;
+            check_size(context, what, size_of_val(words.as_slice()) as u64)?;
         }
-        let radiance = prepared.scene.environment.as_ref().map(|e| &e.radiance);
-        let environment = match (radiance, &prepared.emitters.environment) {
-            (Some(EnvironmentRadiance::Map(map)), Some(grid)) => {
-                EnvironmentBuffers::new(context, map, grid)?
-            }
-            _ => EnvironmentBuffers::none(context)?,
-        };
         let device = &context.device;
         context.checked(|| Self {
-            nodes: Parts::storage(
-                device,
-                "scene.nodes",
-                &prepared.bvh.nodes,
-                split.map(|s| s.nodes),
-            ),
-            primitives: Parts::storage(
-                device,
-                "scene.primitives",
-                &primitives,
-                split.map(|s| PRIMITIVE_WORDS * s.primitives),
-            ),
+            scene,
             materials: GpuBuffer::storage(device, "scene.materials", &materials),
             lights: GpuBuffer::storage(device, "scene.lights", &lights),
             light_choice: GpuBuffer::storage(device, "scene.light_choice", &choice),
-            environment,
-            attributes: Parts::storage(
-                device,
-                "scene.attributes",
-                attributes,
-                split.map(|s| s.words),
-            ),
-            textures,
+            environment_alias: alias(device, prepared.emitters.environment.as_ref()),
             emission_cells: GpuBuffer::storage(device, "scene.emission_cells", &cells),
         })
     }
-}
 
-impl SceneBuffers {
-    /// Labels and bytes of all that [`new`](Self::new) makes for `prepared`.
+    /// Labels and bytes of all that [`new`](Self::new) makes for `prepared` on a device that holds nothing of it.
     pub fn sizes(prepared: &Prepared) -> Vec<(&'static str, u64)> {
         let words = |count: usize| (count.max(1) * size_of::<Word>()) as u64;
-        let nodes = prepared.bvh.nodes.len().max(1) * size_of::<Node>();
-        let scene = &prepared.scene;
+        let nodes = prepared.data.bvh.nodes.len().max(1) * size_of::<Node>();
+        let scene = &prepared.data.scene;
         let [colors, data] = atlases(scene);
-        let materials = material_words(scene, [&colors, &data]);
+        let materials = material_words(prepared, [&colors, &data]);
         let lights = light_words(prepared, &materials.emission).len();
-        let attributes = prepared.attributes.words.len();
+        let attributes = prepared.data.attributes.words.len();
         let mut sizes = vec![
             ("scene.nodes", nodes as u64),
             (
                 "scene.primitives",
-                words(PRIMITIVE_WORDS * prepared.primitives.len()),
+                words(PRIMITIVE_WORDS * prepared.data.primitives.len()),
             ),
             ("scene.materials", words(materials.words.len())),
             ("scene.lights", words(lights)),
@@ -158,13 +97,9 @@ impl SceneBuffers {
                 words(emission_cell_words(prepared).len()),
             ),
         ];
-        let radiance = prepared.scene.environment.as_ref().map(|e| &e.radiance);
-        let (cells, texels) = match (radiance, &prepared.emitters.environment) {
-            (Some(EnvironmentRadiance::Map(map)), Some(grid)) => {
-                (grid.table.entries.len(), map.texels.len())
-            }
-            _ => (0, 0),
-        };
+        let grid = prepared.emitters.environment.as_ref();
+        let cells = grid.map_or(0, |grid| grid.table.entries.len());
+        let texels = map_of(scene).map_or(0, |map| map.texels.len());
         sizes.push(("scene.environment_alias", words(cells)));
         sizes.push(("scene.environment", words(texels)));
         sizes
@@ -184,38 +119,7 @@ fn check_maps(context: &Context, prepared: &Prepared) -> Result<(), GpuError> {
     })
 }
 
-/// Storage buffers of a kernel over split geometry: those of groups 0 and 2, and of the scene.
-pub(super) const BINDINGS_OF_SPLIT: u32 = 28;
-
-fn check_bindings(context: &Context, prepared: &Prepared) -> Result<(), GpuError> {
-    let limit = context.limits.max_storage_buffers_per_shader_stage;
-    if prepared.split.is_none() || limit >= BINDINGS_OF_SPLIT {
-        return Ok(());
-    }
-    Err(GpuError::TooMany {
-        what: format!("buffers for {} primitives", prepared.primitives.len()),
-        needed: BINDINGS_OF_SPLIT.into(),
-        limit: limit.into(),
-        adapter: context.adapter.name.clone(),
-    })
-}
-
-/// A primitive holds the index of its first word in 32 bits, less those of its flags.
-fn check_attributes(context: &Context, prepared: &Prepared) -> Result<(), GpuError> {
-    let needed = prepared.attributes.words.len() as u64;
-    let limit = 1 << (u32::BITS - ATTRIBUTE_BITS);
-    if needed <= limit {
-        return Ok(());
-    }
-    Err(GpuError::TooMany {
-        what: "words of vertex normals, texture coordinates and colours".to_owned(),
-        needed,
-        limit,
-        adapter: context.adapter.name.clone(),
-    })
-}
-
-fn check_size(context: &Context, what: &str, needed: u64) -> Result<(), GpuError> {
+pub(super) fn check_size(context: &Context, what: &str, needed: u64) -> Result<(), GpuError> {
     let limit = context
         .limits
         .max_storage_buffer_binding_size
@@ -240,163 +144,4 @@ pub(super) fn word(v: DVec3, w: u32) -> Word {
 /// f64 to the bits of an f32.
 pub(super) fn bits(x: f64) -> u32 {
     (x as f32).to_bits()
-}
-
-fn primitive_words(prepared: &Prepared) -> Vec<Word> {
-    let mut light_of = vec![NONE; prepared.primitives.len()];
-    for (light, emitter) in prepared.emitters.lights.iter().enumerate() {
-        if let Emitter::Area { primitive, .. } = emitter {
-            light_of[*primitive as usize] = light as u32;
-        }
-    }
-    let attributes = prepared.attributes.of_primitive.iter();
-    let words = prepared.primitives.iter().zip(&light_of).zip(attributes);
-    words
-        .flat_map(|((p, &light), a)| one_primitive(&prepared.scene, p, light, a))
-        .collect()
-}
-
-fn one_primitive(
-    scene: &Scene,
-    p: &Primitive,
-    light: u32,
-    attributed: &Attributed,
-) -> [Word; PRIMITIVE_WORDS] {
-    let flag = |set: bool, bit: u32| if set { bit } else { 0 };
-    let has = flag(attributed.normals, HAS_NORMALS)
-        | flag(attributed.uvs, HAS_UVS)
-        | flag(attributed.opacity, HAS_OPACITY)
-        | flag(attributed.colors, HAS_COLORS)
-        | flag(attributed.tangents, HAS_TANGENTS);
-    let attributes = attributed.word << ATTRIBUTE_BITS | has;
-    let one_sided = !scene.materials[p.material.index()].double_sided;
-    let side = if one_sided { ONE_SIDED_BIT } else { 0 };
-    let head = |kind: u32| kind | side | p.material.0 << MATERIAL_SHIFT;
-    let planar = |kind: u32, a: DVec3, u: DVec3, v: DVec3| {
-        [
-            word(a, head(kind)),
-            word(a + u, light),
-            word(a + v, attributes),
-        ]
-    };
-    match p.geometry {
-        PrimitiveGeometry::Triangle { a, u, v } => planar(KIND_TRIANGLE, a, u, v),
-        PrimitiveGeometry::Rectangle { a, u, v } => planar(KIND_RECTANGLE, a, u, v),
-        PrimitiveGeometry::Disk { a, u, v } => planar(KIND_DISK, a, u, v),
-        PrimitiveGeometry::Sphere { center, radius } => [
-            word(center, head(KIND_SPHERE)),
-            word(DVec3::new(radius, 0.0, 0.0), light),
-            [0, 0, 0, attributes],
-        ],
-        PrimitiveGeometry::Ellipsoid {
-            center,
-            radii,
-            rodrigues,
-        } => [
-            word(center, head(KIND_ELLIPSOID)),
-            word(radii, light),
-            word(rodrigues, attributes),
-        ],
-    }
-}
-
-/// Two ends of cells per word.
-fn filter_words(table: &FilterTable) -> [[f32; 4]; FILTER_WORDS] {
-    std::array::from_fn(|word| {
-        let knot = |i: usize| table.knots.get(i).copied().unwrap_or([1.0, 0.0]);
-        let ([a, b], [c, d]) = (knot(2 * word), knot(2 * word + 1));
-        [a, b, c, d]
-    })
-}
-
-/// The uniform that stays the same for a render; `environment_grid` are the cells of the environment's sampling grid.
-pub fn frame(prepared: &Prepared, film: FilmSize, seed: u32, environment_grid: [u32; 2]) -> Frame {
-    let camera = prepared.normalization.camera(&prepared.scene.camera);
-    let half_height = camera.half_height();
-    let f3 = |v: DVec3| v.as_vec3().to_array();
-    let filter = prepared.scene.filter.table();
-    let patterns = prepared.patterns();
-    let shadow_grid = prepared.shadow_grid();
-    let near_plane = prepared.near_plane();
-    let mut frame = Frame {
-        eye: f3(camera.eye + near_plane * camera.forward),
-        width: film.width,
-        right: f3(camera.right * (half_height * film.aspect())),
-        height: film.height,
-        up: f3(camera.up * half_height),
-        seed,
-        forward: f3(camera.forward),
-        tiles_per_row: film.width.div_ceil(TILE),
-        grid_origin: prepared.bvh.grid.origin.to_array(),
-        root: prepared.bvh.root,
-        grid_scale: prepared.bvh.grid.scale.to_array(),
-        light_count: prepared.emitters.lights.len() as u32,
-        far: (4.0 * prepared.normalization.reach) as f32,
-        pattern: patterns.pixel,
-        light_pattern: patterns.light,
-        shadow_rays: shadow_grid.rays,
-        shadow_columns: shadow_grid.columns,
-        shadow_steps: shadow_grid.steps,
-        max_specular_depth: prepared.scene.render.max_specular_depth,
-        filter_cell: filter.cell_width,
-        orthographic: u32::from(camera.is_orthographic()),
-        lens_right: f3(camera.right * camera.lens.radius),
-        inverse_focus_distance: if camera.lens.radius > 0.0 {
-            (1.0 / camera.lens.focus_distance) as f32
-        } else {
-            0.0
-        },
-        lens_up: f3(camera.up * camera.lens.radius),
-        near_plane: near_plane as f32,
-        near_lens: if camera.lens.radius > 0.0 {
-            (1.0 - near_plane / camera.lens.focus_distance) as f32
-        } else {
-            1.0
-        },
-        logarithmic_grid: u32::from(prepared.bvh.grid.logarithmic),
-        filter_knots: filter_words(&filter),
-        ..Frame::default()
-    };
-    for (words, &[x, y, z]) in frame.light_boxes.iter_mut().zip(&prepared.light_boxes) {
-        *words = [x, y, z, 0];
-    }
-    let (first_sun, suns) = prepared.emitters.suns();
-    frame.first_sun = first_sun as u32;
-    frame.suns = suns as u32;
-    frame.first_emission = first_emission_word(prepared);
-    let tree = prepared.emitters.selection.as_ref();
-    if let Some(tree) = tree.and_then(Selection::tree) {
-        frame.light_grid_origin = tree.grid.origin;
-        frame.light_grid_step = tree.grid.step;
-        frame.tree_nodes = tree.nodes.len() as u32;
-        frame.infinite_lights = tree.infinite.len() as u32;
-    }
-    if let Some(environment) = &prepared.scene.environment {
-        let to_map = environment.rotation.transpose();
-        let per_unit = 1.0 / prepared.emitters.unit;
-        let row = |i: usize| f3(to_map.row(i));
-        [
-            frame.environment_x,
-            frame.environment_y,
-            frame.environment_z,
-        ] = [row(0), row(1), row(2)];
-        let index = prepared
-            .emitters
-            .lights
-            .iter()
-            .position(|l| *l == Emitter::Environment);
-        frame.environment_selection = index.map_or(0.0, |i| prepared.light_samples(i)) as f32;
-        match &environment.radiance {
-            EnvironmentRadiance::Constant(radiance) => {
-                frame.environment_radiance = f3(*radiance * environment.scale * per_unit);
-            }
-            EnvironmentRadiance::Map(map) => {
-                frame.environment_radiance = [(environment.scale * per_unit) as f32; 3];
-                [frame.environment_width, frame.environment_height] = [map.width, map.height];
-                frame.environment_linear = u32::from(map.interpolation == Interpolation::Linear);
-            }
-        }
-    }
-    frame.environment_grid = environment_grid;
-    frame
 }

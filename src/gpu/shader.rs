@@ -3,7 +3,7 @@
 use crate::accel::parts::Split;
 use crate::emitters::Emitter;
 use crate::error::GpuError;
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use anstream::adapter::strip_str;
 use include_dir::{Dir, include_dir};
 use std::borrow::Cow;
@@ -53,11 +53,11 @@ impl Config {
         let mut lights = emitters.lights.iter();
         let environment = lights.position(|light| *light == Emitter::Environment);
         Self {
-            stack_depth: prepared.stack_depth(),
+            stack_depth: prepared.data.stack_depth(),
             light_groups: emitters.groups.count(),
             environment_group: environment.map_or(0, |index| emitters.groups.of_light(index)),
             light_boxes: prepared.light_boxes.len() as u32,
-            split: prepared.split,
+            split: prepared.data.split,
             ..Self::default()
         }
     }

@@ -6,7 +6,7 @@ use super::kernel::{Entry, OwnBindings};
 use super::layout::{Dispatch, TILE, TILE_PIXELS, lane_pixel};
 use super::program::SceneProgram;
 use crate::error::GpuError;
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use crate::scene::FilmSize;
 use bytemuck::Pod;
 

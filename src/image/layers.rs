@@ -2,8 +2,9 @@
 
 use super::exr::{Channel, single};
 use crate::gpu::features::Features;
+use crate::prepare::Prepared;
 use crate::render::aov::SurfacePoint;
-use crate::render::{AovImages, Film, Prepared};
+use crate::render::{AovImages, Film};
 use crate::scene::{Aov, Scene};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -17,7 +18,7 @@ const XYZ: [&str; 3] = ["X", "Y", "Z"];
 /// The channels of the AOVs that `prepared` asks for.
 pub fn channels(prepared: &Prepared, film: &Film, images: &AovImages) -> Vec<Channel> {
     let mut channels = Vec::new();
-    for aov in prepared.scene.render.aovs.iter() {
+    for aov in prepared.settings.aovs.iter() {
         match aov {
             Aov::LightGroups => channels.extend(of_light_groups(prepared, film)),
             // Every EXR has it.
@@ -84,14 +85,14 @@ fn triple<T: Sync>(
 
 /// What belongs to the channels: names of the numbers in them, as JSON objects, and the samples of averaged ones.
 pub fn attributes(prepared: &Prepared, images: &AovImages) -> Vec<(&'static str, String)> {
-    let aovs = prepared.scene.render.aovs;
+    let aovs = prepared.settings.aovs;
     let mut attributes = Vec::new();
     if images.features.is_some() {
         attributes.push(("aov_samples", images.feature_samples.to_string()));
     }
     let Scene {
         materials, shapes, ..
-    } = &prepared.scene;
+    } = &prepared.data.scene;
     let seen = images.surfaces.iter().flatten().flatten();
     if aovs.contains(Aov::MaterialId) {
         let ids: BTreeSet<u32> = seen.clone().map(|s| s.material.0).collect();

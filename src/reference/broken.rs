@@ -5,7 +5,7 @@ use super::core::pdf::{PdfArea, PdfDiscrete, PdfSolidAngle, chosen};
 use super::scene::opacity::Crossings;
 use crate::effects::Effect;
 use crate::emitters::Emitter;
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use glam::DVec3;
 
 /// A mistake.

@@ -3,7 +3,7 @@
 use super::broken::BrokenTwin;
 use super::kernel::direct::Direct;
 use super::kernel::sample::Sample;
-use crate::render::Prepared;
+use crate::prepare::Prepared;
 use crate::scene::FilmSize;
 use rayon::prelude::*;
 

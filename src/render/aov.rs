@@ -4,11 +4,11 @@
 //! compositor asks for is that of one ray per pixel, through the middle of pixel and lens, and not averaged: a mean of
 //! positions or of numbers is that of no surface.
 
-use super::prepare::Prepared;
 use crate::error::GpuError;
 use crate::gpu::Context;
 use crate::gpu::features::{self, Features};
 use crate::gpu::layout::{NONE, SurfaceRecord};
+use crate::prepare::Prepared;
 use crate::scene::{FilmSize, MaterialId, ShapeId};
 use glam::DVec3;
 
@@ -51,7 +51,7 @@ pub fn render_aovs(
     (film, seed): (FilmSize, u32),
     samples: u64,
 ) -> Result<AovImages, GpuError> {
-    let aovs = prepared.scene.render.aovs;
+    let aovs = prepared.settings.aovs;
     let mut images = AovImages::default();
     if aovs.has_features() {
         images.feature_samples = samples.clamp(1, FEATURE_SAMPLES);
@@ -73,11 +73,12 @@ pub fn surface_point(prepared: &Prepared, record: &SurfaceRecord) -> Option<Surf
         return None;
     }
     let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-    let primitive = &prepared.primitives[record.primitive as usize];
+    let primitive = &prepared.data.primitives[record.primitive as usize];
     let position = prepared
+        .data
         .normalization
         .point_in_world(vector(record.position));
-    let camera = &prepared.scene.camera;
+    let camera = &prepared.camera;
     Some(SurfacePoint {
         position,
         depth: (position - camera.eye).dot(camera.forward),

@@ -1,10 +1,10 @@
 //! The memory that an image takes on the host, and what there is.
 
 use super::film::Pixel;
-use super::prepare::Prepared;
 use crate::error::GpuError;
 use crate::gpu::layout::{GroupMean, PixelState};
 use crate::gpu::{Context, SceneBuffers};
+use crate::prepare::Prepared;
 use crate::scene::FilmSize;
 use crate::scene::load::Capacity;
 
@@ -55,7 +55,7 @@ pub(super) fn check(
                 "an image of {} × {} pixels of {} primitives",
                 size.width,
                 size.height,
-                prepared.primitives.len()
+                prepared.data.primitives.len()
             ),
             needed,
             available,

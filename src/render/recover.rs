@@ -1,11 +1,11 @@
 //! Renders that outlive their device.
 
 use super::film::Film;
-use super::prepare::Prepared;
 use super::session::checkpoint::Checkpoint;
 use super::session::{RayCounts, Session};
 use crate::error::{Error, GpuError};
 use crate::gpu::Context;
+use crate::prepare::Prepared;
 
 /// Losses at the same number of samples after which there is no point in another try.
 const PATIENCE: u32 = 3;
@@ -56,7 +56,7 @@ pub fn render_keeping_image<T>(
     mut work: impl FnMut(&mut Session<'_>) -> Result<T, Error>,
     mut lost: impl FnMut(&GpuError, u64),
 ) -> Result<T, Failure> {
-    let scene = &prepared.scene;
+    let (film, seed) = (prepared.film, prepared.settings.seed);
     let mut safe: Option<Safe> = None;
     let mut in_vain = 0;
     loop {
@@ -65,7 +65,7 @@ pub fn render_keeping_image<T>(
             Ok(context) => context,
             Err(error) => return Err(Failure::new(error, image(safe))),
         };
-        let mut session = match Session::new(&context, prepared, scene.film, scene.render.seed) {
+        let mut session = match Session::new(&context, prepared, film, seed) {
             Ok(session) => session,
             Err(error) => return Err(Failure::new(error, image(safe))),
         };

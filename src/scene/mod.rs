@@ -79,16 +79,16 @@ impl Scene {
     /// Light samples that a camera ray takes with light selection `all`: each primitive that emits and the environment have
     /// as many as there are shadow rays, where the strategy samples them; lights without a surface, which nothing else
     /// reaches, have one.
-    pub fn samples_of_all_lights(&self) -> u64 {
+    pub fn samples_of_all_lights(&self, settings: &RenderSettings) -> u64 {
         let is_sun = |light: &&Light| matches!(light, Light::Sun { .. });
         let suns = self.lights.iter().filter(is_sun).count() as u64;
         let mut samples = self.lights.len() as u64 - suns;
-        if self.render.strategy.samples_lights() {
+        if settings.strategy.samples_lights() {
             let lit = |e: Emission| e.radiance.max_element() > 0.0;
             let emitting = self.shapes.iter().filter(|s| s.emission.is_some_and(lit));
             let primitives: u64 = emitting.map(|s| s.geometry.primitives()).sum();
             let environments = u64::from(self.environment.is_some());
-            samples += (primitives + suns + environments) * u64::from(self.render.shadow_rays);
+            samples += (primitives + suns + environments) * u64::from(settings.shadow_rays);
         }
         samples
     }

@@ -13,7 +13,7 @@ use super::settings::MAX_SPECULAR_DEPTH;
 use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
     Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize, Geometry,
-    Light, LightGroups, LightSelection, Material, Mesh, Scene, Shape,
+    Light, LightGroups, LightSelection, Material, Mesh, RenderSettings, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
@@ -44,22 +44,22 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
         check.environment(environment)?;
     }
     check.light_groups(&scene.light_groups)?;
-    check.settings(scene)?;
+    check.settings(scene, &scene.render)?;
     if let Some(expect) = &scene.expect {
         check.expect(expect, scene.film)?;
     }
     Ok(range::check(scene)?)
 }
 
-/// Checks a scene's settings alone: whether it can be rendered so.
+/// Checks whether a scene can be rendered by `settings`.
 ///
 /// # Errors
 /// They are out of their domain, or the scene has too many lights for them.
-pub fn settings(scene: &Scene) -> Result<(), InputError> {
+pub fn settings(scene: &Scene, settings: &RenderSettings) -> Result<(), InputError> {
     let check = Check {
         file: &scene.source,
     };
-    check.settings(scene)
+    check.settings(scene, settings)
 }
 
 /// The largest ratio of an ellipsoid's half axes: the square of their product, in units of the longest, is a normal number
@@ -339,8 +339,7 @@ impl Check<'_> {
         }
     }
 
-    fn settings(&self, scene: &Scene) -> Outcome {
-        let render = &scene.render;
+    fn settings(&self, scene: &Scene, render: &RenderSettings) -> Outcome {
         self.require(
             render.spp >= 1,
             || "render.spp".to_owned(),
@@ -383,7 +382,7 @@ impl Check<'_> {
             "0 to 64",
         )?;
         let samples = match render.light_selection {
-            LightSelection::All => scene.samples_of_all_lights(),
+            LightSelection::All => scene.samples_of_all_lights(render),
             LightSelection::Uniform | LightSelection::Power | LightSelection::Tree => {
                 u64::from(rays)
             }

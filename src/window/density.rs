@@ -207,11 +207,11 @@ fn pdf_lights(world: &World<'_>, own: &[u32], s: &Surface, wi: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::prepare::Prepared;
     use crate::reference::scene::opacity::Crossings;
     use crate::reference::scene::trace::closest_hit;
-    use crate::render::Prepared;
+    use crate::scene::Strategy;
     use crate::scene::load::{LoadOptions, load};
-    use crate::scene::{LightSelection, Strategy};
 
     /// On Cornell's back wall. What differs is the noise of the counts, √(2/π · cells/samples) ≤ 0.07, and
     /// the few points of the cells that a light's edge passes through.
@@ -223,11 +223,12 @@ mod tests {
             Strategy::LightArea,
         ] {
             let options = LoadOptions::default();
-            let scene = load("scenes/cornell.toml".as_ref(), &options).expect("Cornell");
-            let prepared = Prepared::new(scene, strategy, LightSelection::Power);
+            let mut scene = load("scenes/cornell.toml".as_ref(), &options).expect("Cornell");
+            scene.render.strategy = strategy;
+            let prepared = Prepared::of(scene);
             let world = World::new(&prepared);
             let ray = Ray {
-                origin: prepared.normalization.point(DVec3::new(0.1, 0.5, 0.0)),
+                origin: prepared.data.normalization.point(DVec3::new(0.1, 0.5, 0.0)),
                 direction: DVec3::new(0.02, 0.05, -1.0).normalize(),
             };
             let hit = closest_hit(&world, &ray, Crossings::OPAQUE);

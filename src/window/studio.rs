@@ -132,7 +132,8 @@ impl<'a> Studio<'a> {
                 None => {
                     self.mailbox.tell(|news| news.state = State::Compiling);
                     *self.runs += 1;
-                    let mut view = View::new(self.context, &job, method, *self.runs)?;
+                    let data = self.views.iter().find_map(|view| view.data_for(&job));
+                    let mut view = View::new(self.context, &job, method, data, *self.runs)?;
                     if let Some(rescued) = self.rescued.get(index) {
                         view.resume(rescued)?;
                     }

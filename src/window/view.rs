@@ -6,13 +6,14 @@ use super::picture::{Inspected, InspectedSurface, Picture, colours};
 use crate::effects::Effect;
 use crate::error::{Error, GpuError};
 use crate::gpu::Context;
+use crate::prepare::near_plane::is_distant;
+use crate::prepare::{Prepared, SceneData};
 use crate::reference::kernel::camera::camera_ray;
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::Crossings;
 use crate::reference::scene::surface::surface_at;
 use crate::reference::scene::trace::closest_hit;
-use crate::render::near_plane::is_distant;
-use crate::render::{Checkpoint, Film, ImageError, Prepared, RayCounts, Session, StopReason};
+use crate::render::{Checkpoint, Film, ImageError, RayCounts, Session, StopReason};
 use crate::scene::normalize::{Normalization, bounds};
 use crate::scene::{Camera, FilmSize, Scene, validate};
 use glam::DVec2;
@@ -78,12 +79,28 @@ pub struct Rescued {
 }
 
 impl<'a> View<'a> {
-    /// Prepares the view of `method` and compiles its kernel, unless the device has it already.
-    pub fn new(context: &'a Context, job: &Job, method: &Method, run: u64) -> Result<Self, Error> {
-        let scene = job.scene_of(method);
-        validate::validate(&scene)?;
+    /// Prepares the view of `method` and compiles its kernel, unless the device has it already. `data` is the scene of `job`
+    /// where another view has it, scaled for the job's camera.
+    pub fn new(
+        context: &'a Context,
+        job: &Job,
+        method: &Method,
+        data: Option<Arc<SceneData>>,
+        run: u64,
+    ) -> Result<Self, Error> {
         let settings = method.settings;
-        let mut prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+        let data = match data {
+            Some(data) => {
+                validate::settings(&job.scene, &settings)?;
+                data
+            }
+            None => {
+                let scene = job.scene_of(method);
+                validate::validate(&scene)?;
+                Arc::new(SceneData::new(scene))
+            }
+        };
+        let mut prepared = Prepared::seen_by(&data, (job.camera, job.film), settings);
         for &effect in &method.forced {
             prepared.effects.force(effect);
         }
@@ -121,19 +138,22 @@ impl<'a> View<'a> {
     /// Whether it can do `job` by `method` as it is, but for where the camera stands and how large the image is.
     pub fn fits(&self, job: &Job, method: &Method) -> bool {
         let kind = |c: &Camera| (c.is_orthographic(), c.lens.radius > 0.0);
-        Arc::ptr_eq(&self.scene, &job.scene)
-            && *self.method == *method
+        *self.method == *method
             && kind(&self.camera) == kind(&job.camera)
-            && (self.camera == job.camera || self.is_scaled_for(job))
+            && self.data_for(job).is_some()
+    }
+
+    /// The scene of `job`, where this view has it, scaled for the job's camera.
+    pub fn data_for(&self, job: &Job) -> Option<Arc<SceneData>> {
+        let has_it = Arc::ptr_eq(&self.scene, &job.scene)
+            && (self.camera == job.camera || self.is_scaled_for(job));
+        has_it.then(|| Arc::clone(&self.prepared.data))
     }
 
     /// Whether the scene is scaled as the camera of `job` calls for. While that moves, an ordinary scene stays as it is.
     fn is_scaled_for(&self, job: &Job) -> bool {
-        let Prepared {
-            effects,
-            normalization,
-            ..
-        } = &self.prepared;
+        let effects = &self.prepared.effects;
+        let normalization = &self.prepared.data.normalization;
         let scaled_for_camera =
             normalization.is_extreme() || effects.contains(Effect::DistantCamera);
         !scaled_for_camera
@@ -160,8 +180,8 @@ impl<'a> View<'a> {
         } else {
             job.film
         };
-        self.prepared.scene.camera = job.camera;
-        self.prepared.scene.film = film;
+        self.prepared.camera = job.camera;
+        self.prepared.film = film;
         self.session.reframe(&self.prepared, film)?;
         self.session.set_dispatch_time(FIRST_DISPATCH);
         (self.seconds, self.shown_seconds, self.shown_samples) = (0.0, 0.0, 0);
@@ -187,7 +207,7 @@ impl<'a> View<'a> {
         let same = Arc::ptr_eq(&self.scene, &rescued.scene)
             && *self.method == *rescued.method
             && self.camera == rescued.camera
-            && self.prepared.scene.film == rescued.film;
+            && self.prepared.film == rescued.film;
         if same {
             self.session.resume(rescued.checkpoint.clone())?;
             (self.run, self.seconds) = (rescued.run, rescued.seconds);
@@ -202,7 +222,7 @@ impl<'a> View<'a> {
             scene: self.scene,
             method: self.method,
             camera: self.camera,
-            film: self.prepared.scene.film,
+            film: self.prepared.film,
             checkpoint: self.session.into_checkpoint(),
             run: self.run,
             seconds: self.seconds,
@@ -233,7 +253,7 @@ impl<'a> View<'a> {
         let taken = self.samples() - before;
         if taken > 0 {
             self.pass_seconds = seconds / taken as f64;
-            self.sample_seconds = self.pass_seconds / self.prepared.scene.film.pixels() as f64;
+            self.sample_seconds = self.pass_seconds / self.prepared.film.pixels() as f64;
         }
         Ok(reason)
     }
@@ -327,16 +347,16 @@ impl<'a> View<'a> {
     /// What lies under the point `at` of the image.
     pub fn inspect(&self, at: [f64; 2]) -> Inspected {
         let world = World::new(&self.prepared);
-        let size = self.prepared.scene.film;
+        let size = self.prepared.film;
         let film = DVec2::from_array(at) * DVec2::new(size.width.into(), size.height.into());
         // The middle of the square that is mapped to the lens is its middle.
         let ray = camera_ray(&world, size, film, DVec2::splat(0.5));
         let hit = closest_hit(&world, &ray, Crossings::OPAQUE);
         let surface = hit.map(|hit| {
             let point = ray.origin + hit.t * ray.direction;
-            let position = self.prepared.normalization.point_in_world(point);
-            let primitive = &self.prepared.primitives[hit.primitive as usize];
-            let scene = &self.prepared.scene;
+            let position = self.prepared.data.normalization.point_in_world(point);
+            let primitive = &self.prepared.data.primitives[hit.primitive as usize];
+            let scene = &self.prepared.data.scene;
             let shape = &scene.shapes[primitive.shape.index()];
             let surface = surface_at(&world, &ray, &hit, -ray.direction);
             InspectedSurface {

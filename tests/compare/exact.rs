@@ -1,12 +1,11 @@
 //! Samples against exact direct lighting at the points that they see.
 
 use super::scaled;
-use crate::support::{STRATEGIES, context, scene, statistics};
+use crate::support::{STRATEGIES, context, prepared_for, scene, statistics};
 use direkt::compare::{CompareError, Settings, compare};
 use direkt::reference::Twin;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::reference::exact::scene::ExactScene;
-use direkt::render::Prepared;
 use direkt::scene::material::DielectricLayer;
 use direkt::scene::{Bsdf, FilmSize, Scene, Strategy};
 use direkt::stats::moments::Moments;
@@ -23,7 +22,7 @@ fn exact(scene: Scene, strategy: Strategy) -> Result<direkt::compare::Comparison
         exact: true,
     };
     let selection = scene.render.light_selection;
-    let prepared = Prepared::new(scene, strategy, selection);
+    let prepared = prepared_for(scene, strategy, selection);
     compare(context(), &prepared, &settings, |_| ())
 }
 
@@ -105,7 +104,7 @@ fn assert_rejected(name: &str, mut scene: Scene, broken: impl Fn(BrokenTwin) -> 
     }
     let film = scaled(scene.film, pixels as u32);
     let selection = scene.render.light_selection;
-    let prepared = Prepared::new(scene, Strategy::MisPower, selection);
+    let prepared = prepared_for(scene, Strategy::MisPower, selection);
     let honest = Twin::new(&prepared, film, 3, None);
     let answers = ExactScene::new(honest.direct().world()).unwrap();
     let exact: Vec<DVec3> = (0..film.pixels() as u32)

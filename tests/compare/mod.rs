@@ -4,10 +4,9 @@ mod exact;
 mod power;
 mod scenes;
 
-use crate::support::context;
+use crate::support::{context, prepared_for};
 use direkt::compare::{Comparison, Settings, compare};
 use direkt::reference::BrokenTwin;
-use direkt::render::Prepared;
 use direkt::scene::{FilmSize, Scene, Strategy};
 
 /// Compares `scene` under `strategy`, its image scaled to at most `pixels` pixels.
@@ -18,7 +17,7 @@ fn compared(
     broken: Option<BrokenTwin>,
 ) -> Comparison {
     let context = context();
-    let prepared = Prepared::new(scene.clone(), strategy, scene.render.light_selection);
+    let prepared = prepared_for(scene.clone(), strategy, scene.render.light_selection);
     let settings = Settings {
         film: scaled(scene.film, pixels),
         samples,

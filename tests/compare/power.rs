@@ -1,11 +1,10 @@
 //! Every broken twin is found out, and every part of the comparison finds some.
 
 use super::compared;
-use crate::support::{KINDS_OF_STRATEGIES, scene, scenes_of_lights};
+use crate::support::{KINDS_OF_STRATEGIES, prepared_for, scene, scenes_of_lights};
 use direkt::compare::Comparison;
 use direkt::effects::Effect;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
-use direkt::render::Prepared;
 use direkt::scene::{LightSampling, Scene, Strategy};
 
 /// By which parts of the comparison a broken twin was rejected, on how many scenes.
@@ -68,7 +67,7 @@ fn every_broken_twin_is_rejected_on_every_scene() {
     let mut found = vec![Found::default(); BROKEN_TWINS.len()];
     let special = [cases_of_several_rays(), cases_of_opacities()].concat();
     for (name, scene, strategy, pixels) in cases().into_iter().chain(special) {
-        let prepared = Prepared::new(scene.clone(), strategy, scene.render.light_selection);
+        let prepared = prepared_for(scene.clone(), strategy, scene.render.light_selection);
         let several = prepared.shadow_rays() > 1;
         let opacities = prepared.effects.contains(Effect::Alpha);
         for (row, found) in BROKEN_TWINS.iter().zip(&mut found) {

@@ -5,9 +5,8 @@ use crate::support::{context, floor_pixel, point_light, prepared, scene, take};
 use direkt::error::{Error, GpuError};
 use direkt::gpu::Context;
 use direkt::gpu::context::adapters;
-use direkt::render::{
-    Film, Prepared, RayCounts, Session, render_keeping_image, render_through_losses,
-};
+use direkt::prepare::Prepared;
+use direkt::render::{Film, RayCounts, Session, render_keeping_image, render_through_losses};
 use direkt::scene::{FilmSize, Geometry, Sampler};
 use glam::DVec3;
 
@@ -33,7 +32,7 @@ fn a_render_outlives_its_devices() {
     };
     let prepared = prepared(cornell);
     let context = context();
-    let new = |context| Session::new(context, &prepared, prepared.scene.film, 0).unwrap();
+    let new = |context| Session::new(context, &prepared, prepared.film, 0).unwrap();
     let mut unbroken = new(context);
     take(&mut unbroken, SPP);
     let expected = unbroken.snapshot().unwrap();
@@ -120,7 +119,7 @@ fn a_render_that_fails_keeps_its_image() {
     // One block is on the host; 44 samples were on the device.
     assert_eq!((film.sample_range(), rays.camera), ((256, 256), 256 * 64));
     let context = context();
-    let mut right = Session::new(context, &prepared, prepared.scene.film, 0).unwrap();
+    let mut right = Session::new(context, &prepared, prepared.film, 0).unwrap();
     take(&mut right, 256);
     assert_eq!(film.pixels, right.snapshot().unwrap().0.pixels);
 
@@ -133,7 +132,7 @@ fn a_render_that_fails_keeps_its_image() {
 /// Pixels of an image of `size` that have not exactly `samples` samples or not the floor's radiance.
 fn wrong_pixels(context: &Context, (width, height): (u32, u32), samples: u64) -> usize {
     let prepared = floor(width, height);
-    let mut session = Session::new(context, &prepared, prepared.scene.film, 0).unwrap();
+    let mut session = Session::new(context, &prepared, prepared.film, 0).unwrap();
     take(&mut session, samples);
     let (film, _) = session.snapshot().unwrap();
     assert_eq!(film.pixels.len(), (width * height) as usize);
@@ -164,7 +163,7 @@ fn large_images_fit_the_least_limits() {
     };
     let prepared = prepared(cornell);
     let film = |tiles| {
-        let size = prepared.scene.film;
+        let size = prepared.film;
         let mut session = Session::in_regions(context, &prepared, size, 0, tiles).unwrap();
         take(&mut session, 3);
         session.snapshot().unwrap()
@@ -174,7 +173,7 @@ fn large_images_fit_the_least_limits() {
         assert_eq!(film(tiles), whole, "{tiles} tiles in a region");
     }
     let largest = floor(4096, 2160);
-    let in_one = Session::in_regions(context, &largest, largest.scene.film, 0, u32::MAX);
+    let in_one = Session::in_regions(context, &largest, largest.film, 0, u32::MAX);
     survive(
         context,
         Measured {
@@ -233,7 +232,7 @@ fn a_scene_that_does_not_fit_a_binding_is_refused_by_name() {
         scene.shapes.push(shape);
     }
     let prepared = prepared(scene);
-    let error = Session::new(context, &prepared, prepared.scene.film, 0).unwrap_err();
+    let error = Session::new(context, &prepared, prepared.film, 0).unwrap_err();
     let GpuError::TooLarge {
         what,
         needed,

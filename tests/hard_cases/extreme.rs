@@ -3,9 +3,9 @@
 use super::hierarchy::distances_by_both_ways;
 use super::meshes::triangle;
 use crate::support::random::{Random, rounded};
-use crate::support::{context, floor_pixel, shape};
+use crate::support::{context, floor_pixel, prepared_for, shape};
 use direkt::accel::grid::Grid;
-use direkt::render::Prepared;
+use direkt::prepare::Prepared;
 use direkt::scene::{Camera, Geometry, LightSelection, Mesh, Strategy};
 use glam::{DVec2, DVec3};
 
@@ -50,7 +50,7 @@ fn walls() -> Prepared {
     meshes.push(triangle(far, far + DVec3::X, far + DVec3::Y));
     let shapes = meshes.into_iter().map(|m| shape("mesh", Geometry::Mesh(m)));
     scene.shapes = shapes.collect();
-    Prepared::new(scene, Strategy::LightArea, LightSelection::Uniform)
+    prepared_for(scene, Strategy::LightArea, LightSelection::Uniform)
 }
 
 /// From where rays go to where in the scene of [`walls`], and which.
@@ -92,8 +92,11 @@ fn rays_to_walls(random: &mut Random) -> Vec<([DVec3; 2], String)> {
 fn rays_from_far_and_to_far_hit_as_in_brute_force() {
     let context = context();
     let prepared = walls();
-    let n = prepared.normalization;
-    assert!(n.is_extreme() && prepared.bvh.grid.logarithmic, "{n:?}");
+    let n = prepared.data.normalization;
+    assert!(
+        n.is_extreme() && prepared.data.bvh.grid.logarithmic,
+        "{n:?}"
+    );
     let rays = rays_to_walls(&mut Random::new(90));
     let inputs: Vec<f64> = rays
         .iter()

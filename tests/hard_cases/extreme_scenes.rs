@@ -32,8 +32,8 @@ fn floor_and(shapes: Vec<Shape>) -> Scene {
 /// Renders `scene`, which has to be extreme, and compares its pixel.
 fn assert_extreme(context: &Context, scene: Scene, expected: f64, what: &str) {
     let prepared = prepared(scene);
-    assert!(prepared.normalization.is_extreme(), "{what}");
-    assert_eq!(prepared.scene.warnings, [""; 0], "{what}");
+    assert!(prepared.data.normalization.is_extreme(), "{what}");
+    assert_eq!(prepared.data.scene.warnings, [""; 0], "{what}");
     let film = render_prepared(context, &prepared);
     assert_pixel(&film, expected, what);
 }
@@ -111,7 +111,7 @@ fn a_lamp_far_away_shines_before_every_camera() {
         };
         (scene.film.width, scene.film.height) = (width, width);
         let expected = 0.5 * RADIANCE * 0.09;
-        assert!(prepared(scene.clone()).normalization.is_extreme());
+        assert!(prepared(scene.clone()).data.normalization.is_extreme());
         let mut film = render(context, scene);
         film.pixels = vec![film.pixels[film.pixels.len() / 2]];
         assert_pixel(&film, expected, &format!("{what} rays"));
@@ -291,7 +291,7 @@ fn assert_alike(film: &Film, other: &Film, what: &str) {
 fn a_room_is_as_it_is_beside_what_is_far_and_on_a_huge_floor() {
     let context = context();
     let ordinary = room(1e3);
-    assert!(!prepared(ordinary.clone()).normalization.is_extreme());
+    assert!(!prepared(ordinary.clone()).data.normalization.is_extreme());
     let expected = render(context, ordinary.clone());
     let mut beside = ordinary;
     for height in [FAR, 1.001 * FAR] {
@@ -299,7 +299,7 @@ fn a_room_is_as_it_is_beside_what_is_far_and_on_a_huge_floor() {
         beside.shapes.push(shape("plate", plate));
     }
     for (what, mut scene) in [("beside a box", beside), ("on a huge floor", room(FAR))] {
-        assert!(prepared(scene.clone()).normalization.is_extreme());
+        assert!(prepared(scene.clone()).data.normalization.is_extreme());
         scene.render.seed = 1;
         let film = render(context, scene);
         assert_alike(&film, &expected, what);

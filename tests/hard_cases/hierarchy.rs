@@ -4,10 +4,10 @@ use super::meshes::{meshes, triangle, unlike_brute_force};
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::{Random, rounded};
 use crate::support::shader::{Function, call_in, words};
-use crate::support::{context, floor_pixel, shape};
+use crate::support::{context, floor_pixel, prepared_for, shape};
 use direkt::accel::flatten::MAX_DEPTH;
 use direkt::gpu::Context;
-use direkt::render::Prepared;
+use direkt::prepare::Prepared;
 use direkt::scene::{Geometry, LightSelection, Mesh, Strategy};
 use glam::DVec3;
 
@@ -37,8 +37,8 @@ fn a_hierarchy_is_never_deeper_than_the_stack() {
     let mut all: Vec<Mesh> = exponents().map(|x| at(x, 1.0)).collect();
     all.extend((0..4096).map(|_| at(0.7, 0.5)));
     let prepared = meshes(all);
-    assert!(prepared.bvh.depth as u32 <= prepared.stack_depth());
-    let n = &prepared.normalization;
+    assert!(prepared.data.bvh.depth as u32 <= prepared.data.stack_depth());
+    let n = &prepared.data.normalization;
     let mut random = Random::new(74);
     let rays: Vec<_> = (0..500)
         .map(|_| {
@@ -60,7 +60,7 @@ fn a_hierarchy_is_never_deeper_than_the_stack() {
             bound: MAX_DEPTH as f64,
             textbook: "halves of space",
             naive: depth_of_spatial_median(exponents().collect(), 0) as f64,
-            ours: prepared.bvh.depth as f64,
+            ours: prepared.data.bvh.depth as f64,
         },
     );
 }
@@ -80,7 +80,7 @@ pub(super) fn distances_by_both_ways(
              nearest = min(nearest, intersect_primitive(ray_frame(ray), fetch_primitive(i), T_MAX).t);
          }}
          out_f32(0u, hit.t); out_f32(1u, nearest);",
-        prepared.primitives.len()
+        prepared.data.primitives.len()
     );
     let function = Function {
         imports: "import package::core::constants::T_MAX;
@@ -120,8 +120,8 @@ fn rays_on_whole_numbers_are_hit_as_in_brute_force() {
         };
         scene.shapes.push(shape("face", geometry));
     }
-    let prepared = Prepared::new(scene, Strategy::LightArea, LightSelection::Uniform);
-    let n = &prepared.normalization;
+    let prepared = prepared_for(scene, Strategy::LightArea, LightSelection::Uniform);
+    let n = &prepared.data.normalization;
     let inputs: Vec<f64> = (0..RAYS)
         .flat_map(|i| {
             let mut from = DVec3::from_array(std::array::from_fn(|_| whole(&mut random, 40.0)));

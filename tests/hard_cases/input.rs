@@ -3,7 +3,7 @@
 use super::moved::{difference, film};
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::{context, prepared, scene};
-use direkt::render::Prepared;
+use direkt::prepare::Prepared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
     Emission, FilmSize, Geometry, LightSampling, LightSelection, Mesh, Sampler, Scene, Shape,

@@ -4,9 +4,9 @@ use super::worst;
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::rounded;
 use crate::support::shader::{Function, call, call_in, draw, words};
-use crate::support::{context, edge_points, floor_pixel, point_light, shape};
+use crate::support::{context, edge_points, floor_pixel, point_light, prepared_for, shape};
 use direkt::gpu::Context;
-use direkt::render::Prepared;
+use direkt::prepare::Prepared;
 use direkt::scene::light::Interpolation;
 use direkt::scene::{
     Environment, EnvironmentMap, EnvironmentRadiance, Geometry, Light, LightSelection, Strategy,
@@ -165,7 +165,7 @@ fn a_point_light_on_the_surface_gives_nothing() {
     let context = context();
     let mut scene = floor_pixel();
     scene.lights = vec![point_light(DVec3::new(0.3, 0.4, 0.0), 3.0)];
-    let prepared = Prepared::new(scene, Strategy::LightArea, LightSelection::Uniform);
+    let prepared = prepared_for(scene, Strategy::LightArea, LightSelection::Uniform);
     let function = Function {
         imports: "import package::core::frame::frame_from_normal;
             import package::core::pdf::PdfDiscrete;
@@ -211,7 +211,7 @@ fn roof(height: f64) -> Prepared {
         direction: -DVec3::Z,
         irradiance: DVec3::ONE,
     }];
-    Prepared::new(scene, Strategy::LightArea, LightSelection::Uniform)
+    prepared_for(scene, Strategy::LightArea, LightSelection::Uniform)
 }
 
 #[test]
@@ -236,7 +236,7 @@ fn nothing_is_too_far_to_hide_a_directional_light() {
     let mut missed = [0.0; 2];
     for height in [1e2, 1e4, 1e6] {
         let prepared = roof(height);
-        let normalization = &prepared.normalization;
+        let normalization = &prepared.data.normalization;
         let above_floor = normalization.point(DVec3::Z * 0.1 * height);
         let inputs = [
             above_floor.to_array().to_vec(),
@@ -283,7 +283,7 @@ fn every_sample_of_a_constant_map_is_the_same() {
         rotation: DMat3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), 0.7),
         scale: 1.0,
     });
-    let prepared = Prepared::new(scene, Strategy::LightArea, LightSelection::Uniform);
+    let prepared = prepared_for(scene, Strategy::LightArea, LightSelection::Uniform);
     let sum: f64 = (0..height)
         .map(|j| (PI * (f64::from(j) + 0.5) / f64::from(height)).sin())
         .sum();

@@ -4,12 +4,12 @@ use super::ray_ends::ball;
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::{Random, rounded};
 use crate::support::shader::{Function, call, call_in, words};
-use crate::support::{context, floor_pixel, shape};
+use crate::support::{context, floor_pixel, prepared_for, shape};
 use direkt::accel::PrimitiveGeometry;
+use direkt::prepare::Prepared;
 use direkt::reference::core::ray::Ray;
 use direkt::reference::scene::fetch::World;
 use direkt::reference::scene::trace::intersect_primitive;
-use direkt::render::Prepared;
 use direkt::scene::{Camera, Geometry, LightSelection, Mesh, Scene, Strategy};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -41,11 +41,11 @@ fn meshes_before(camera: Camera, meshes: Vec<Mesh>) -> Prepared {
     };
     let shapes = meshes.into_iter().map(|m| shape("mesh", Geometry::Mesh(m)));
     scene.shapes = shapes.collect();
-    Prepared::new(scene, Strategy::LightArea, LightSelection::Uniform)
+    prepared_for(scene, Strategy::LightArea, LightSelection::Uniform)
 }
 
 fn corners(prepared: &Prepared) -> Vec<[DVec3; 3]> {
-    let triangles = prepared.primitives.iter().map(|p| match p.geometry {
+    let triangles = prepared.data.primitives.iter().map(|p| match p.geometry {
         PrimitiveGeometry::Triangle { a, u, v } => [a, a + u, a + v].map(rounded),
         _ => unreachable!("meshes hold triangles"),
     });

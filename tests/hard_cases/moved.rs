@@ -3,14 +3,15 @@
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::{context, prepared, scene, take};
 use direkt::accel;
-use direkt::emitters::Emitters;
 use direkt::gpu::Context;
-use direkt::render::{Film, Prepared, Session};
+use direkt::prepare::{Prepared, SceneData};
+use direkt::render::{Film, Session};
 use direkt::scene::normalize::Normalization;
 use direkt::scene::{
     FilmSize, Geometry, Light, LightSampling, LightSelection, Projection, Sampler, Scene, Strategy,
 };
 use glam::DVec3;
+use std::sync::Arc;
 
 const SCENES: [&str; 3] = ["cornell", "veach", "spot_and_sun"];
 /// Relative difference of images (mean |a − b| over mean |a|, same seed).
@@ -102,28 +103,21 @@ fn rounded_in_world_space(mut scene: Scene) -> Scene {
 
 /// The textbook's way: the scene is not normalised at all.
 fn in_world_space(scene: Scene) -> Prepared {
-    let mut p = prepared(scene);
-    p.normalization = Normalization {
+    let mut data = SceneData::new(scene);
+    data.normalization = Normalization {
         center: DVec3::ZERO,
         scale: 1.0,
         radius: 1.0,
         reach: 1.0,
     };
-    p.primitives = accel::primitives(&p.scene, &p.normalization);
-    p.bvh = accel::build(&mut p.primitives);
-    let settings = p.scene.render;
-    p.emitters = Emitters::new(
-        &p.scene,
-        &p.normalization,
-        &p.primitives,
-        settings.strategy,
-        settings.light_selection,
-    );
-    p
+    data.primitives = accel::primitives(&data.scene, &data.normalization);
+    data.bvh = accel::build(&mut data.primitives);
+    let settings = data.scene.render;
+    Prepared::new(&Arc::new(data), settings)
 }
 
 pub(super) fn film(context: &Context, prepared: &Prepared) -> Film {
-    let mut session = Session::new(context, prepared, prepared.scene.film, 17).unwrap();
+    let mut session = Session::new(context, prepared, prepared.film, 17).unwrap();
     take(&mut session, 16);
     session.snapshot().unwrap().0
 }

@@ -4,11 +4,12 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
 use crate::support::shader::{Answers, Function, call_in, words};
 use crate::support::{
-    STRATEGIES, context, emitter, floor_pixel, lambert, point_light, render, shape, unit_square,
+    STRATEGIES, context, emitter, floor_pixel, lambert, point_light, prepared_for, render, shape,
+    unit_square,
 };
 use direkt::gpu::Context;
+use direkt::prepare::Prepared;
 use direkt::reference::exact::rectangle::parallel_rectangle;
-use direkt::render::Prepared;
 use direkt::scene::{
     Camera, FilmSize, Geometry, Light, LightSampling, LightSelection, Mesh, Sampler, Scene,
     Strategy,
@@ -24,7 +25,7 @@ const IMPORTS: &str = "import package::core::ray::Ray;
     import package::scene::trace::{any_hit, closest_hit};";
 
 fn prepared(scene: Scene) -> Prepared {
-    Prepared::new(scene, Strategy::LightArea, LightSelection::Uniform)
+    prepared_for(scene, Strategy::LightArea, LightSelection::Uniform)
 }
 
 /// What `body` answers for camera rays of world space.
@@ -48,7 +49,7 @@ fn trace(
         outputs,
         features: &[],
     };
-    let n = &prepared.normalization;
+    let n = &prepared.data.normalization;
     let inputs: Vec<f64> = rays
         .iter()
         .flat_map(|[o, d]| [n.point(*o).to_array(), n.vector(*d).to_array()])
@@ -167,7 +168,7 @@ fn a_plane_does_not_shadow_itself_at_any_distance() {
             assert!(off < 1e-4, "from {distance}: {pixel:?}, not {exact}");
         }
         let prepared = prepared(plane(distance));
-        let camera = prepared.scene.camera;
+        let camera = prepared.camera;
         let mut random = Random::new(61);
         let rays: Vec<_> = (0..10_000)
             .map(|_| {
@@ -177,7 +178,7 @@ fn a_plane_does_not_shadow_itself_at_any_distance() {
             })
             .collect();
         // In the plane's own unit, 10⁻⁴ off it.
-        let epsilon = 1e-4 * prepared.normalization.scale;
+        let epsilon = 1e-4 * prepared.data.normalization.scale;
         let body = format!(
             "let light = sample_chosen_light(choose_light(0u), s.position, s.frame, vec2f(0.5), 0u);
              out_bool(0u, any_hit(shadow_ray(s, light.target_point), 1.0));
@@ -226,7 +227,7 @@ fn shells_a_hair_apart_shadow_each_other() {
             [DVec3::new(0.3, -0.2, 0.1) + (1.0 + 2e-5) * out, -out]
         })
         .collect();
-    let epsilon = 1e-4 * prepared.normalization.scale;
+    let epsilon = 1e-4 * prepared.data.normalization.scale;
     let body = format!(
         "let light = sample_chosen_light(choose_light(0u), s.position, s.frame, vec2f(0.5), 0u);
          let lit = dot(light.wi, s.frame.z) > 0.0;
@@ -315,7 +316,7 @@ fn rays_neither_stop_at_their_own_surface_nor_leak_at_any_scale_and_offset() {
                 ]
             })
             .collect();
-        let epsilon = 1e-4 * prepared.normalization.scale;
+        let epsilon = 1e-4 * prepared.data.normalization.scale;
         let body = format!(
             "let words = pcg4d(vec4u(item, 5u, 6u, 7u));
              let w = sample_sphere_area(to_unit_2d(words.xy));

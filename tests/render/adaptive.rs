@@ -2,7 +2,8 @@
 
 use crate::support::{context, prepared, render, scene, statistics, take};
 use direkt::gpu::Context;
-use direkt::render::{Film, Pixel, Prepared, Session, StopReason, render_through_losses};
+use direkt::prepare::Prepared;
+use direkt::render::{Film, Pixel, Session, StopReason, render_through_losses};
 use direkt::scene::{FilmSize, Sampler, Scene, Strategy};
 use direkt::stats::moments::Moments;
 use direkt::stats::z_test::z_test;
@@ -18,7 +19,7 @@ fn cornell(width: u32, height: u32) -> Scene {
 }
 
 fn session<'a>(context: &'a Context, prepared: &Prepared, seed: u32) -> Session<'a> {
-    Session::new(context, prepared, prepared.scene.film, seed).unwrap()
+    Session::new(context, prepared, prepared.film, seed).unwrap()
 }
 
 fn counts(film: &Film) -> BTreeSet<u64> {
@@ -73,7 +74,7 @@ fn passes_regions_and_lost_devices_change_nothing() {
     let many = *counts(&expected.0).last().unwrap();
     assert!(many > 1024, "blocks are merged: {many}");
 
-    let mut cut = Session::in_regions(context, &prepared, prepared.scene.film, 0, 7).unwrap();
+    let mut cut = Session::in_regions(context, &prepared, prepared.film, 0, 7).unwrap();
     for to in [3, 17, 18, 60, 61, 200, SPP] {
         let mut interruptions = 0;
         let pass = |session: &mut Session<'_>| {
@@ -127,7 +128,7 @@ fn sessions_begin_again() {
     )
     .unwrap();
     take(&mut one, 64);
-    one.reframe(&prepared, prepared.scene.film).unwrap();
+    one.reframe(&prepared, prepared.film).unwrap();
     take(&mut one, 64);
     assert!(expected == one.snapshot().unwrap());
 }

@@ -3,11 +3,12 @@
 use crate::support::{context, floor_pixel, prepared, scene};
 use direkt::gpu::features::{Features, features, surfaces};
 use direkt::gpu::layout::SurfaceRecord;
+use direkt::prepare::Prepared;
 use direkt::reference::kernel::gbuffer::{MIDDLE, SurfaceSeen, surface_at_film};
 use direkt::reference::scene::opacity::Crossings;
 use direkt::reference::{Direct, Sample, Twin};
 use direkt::render::aov::surface_point;
-use direkt::render::{AovImages, Prepared, render_aovs};
+use direkt::render::{AovImages, render_aovs};
 use direkt::scene::{Aov, Camera, FilmSize, Projection, Scene};
 use glam::{DVec2, DVec3};
 
@@ -230,7 +231,7 @@ fn features_go_on_in_mirrors_and_surfaces_do_not() {
     let mirror = scene("scenes/tests/mirror_shows_direct_lighting.toml");
     let (prepared, images) = images(mirror);
     let first = images.surfaces.unwrap()[0].expect("the mirror is seen");
-    let material = &prepared.scene.materials[first.material.index()];
+    let material = &prepared.data.scene.materials[first.material.index()];
     assert!(material.bsdf.parameters().is_specular(), "{material:?}");
     let normal = DVec3::from_array(images.features.unwrap()[0].normal);
     assert!(
@@ -244,7 +245,7 @@ fn features_go_on_in_mirrors_and_surfaces_do_not() {
 fn what_nobody_asks_for_is_not_rendered() {
     let prepared = prepared(floor_pixel());
     let context = context();
-    let none = render_aovs(context, &prepared, (prepared.scene.film, 0), 4).unwrap();
+    let none = render_aovs(context, &prepared, (prepared.film, 0), 4).unwrap();
     assert_eq!(none, AovImages::default());
     let beyond = SurfaceRecord {
         primitive: u32::MAX,

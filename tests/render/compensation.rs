@@ -5,9 +5,10 @@ use crate::support::every_kind::{environment_map, every_kind};
 use crate::support::twin::{
     COMMON_MISTAKES, Part, Power, accept_means, exact_means, recorded_film, same_means,
 };
-use crate::support::{context, floor_pixel, scene, statistics};
+use crate::support::{context, floor_pixel, prepared_for, scene, statistics};
 use direkt::emitters::EnvironmentGrid;
-use direkt::render::{Film, Prepared};
+use direkt::prepare::Prepared;
+use direkt::render::Film;
 use direkt::scene::light::Interpolation;
 use direkt::scene::{
     Bsdf, EnvironmentRadiance, ExpectedRadiance, FilmSize, LightSelection, Scene, Strategy,
@@ -24,7 +25,7 @@ const MIS: [Strategy; 2] = [Strategy::MisBalance, Strategy::MisPower];
 
 fn prepared(mut scene: Scene, strategy: Strategy, compensation: bool) -> Prepared {
     scene.render.mis_compensation = compensation;
-    Prepared::new(scene, strategy, LightSelection::Power)
+    prepared_for(scene, strategy, LightSelection::Power)
 }
 
 fn compensated(prepared: &Prepared) -> bool {

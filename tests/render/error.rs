@@ -1,9 +1,9 @@
 //! Images know their own error: with every sampler, on the GPU.
 
-use crate::support::{context, scene};
+use crate::support::{context, prepared_for, scene};
 use direkt::cost::calibrate::{Settings, calibrate};
 use direkt::cost::estimator::{Choices, combinations};
-use direkt::render::{Prepared, Session};
+use direkt::render::Session;
 use direkt::scene::{FilmSize, LightSelection, RenderSettings, Sampler, Scene, Strategy};
 use std::cell::Cell;
 
@@ -99,9 +99,9 @@ fn so_they_are_where_sampling_is_adaptive() {
 fn the_scatter_of_sobol_points_is_not_their_error() {
     let mut scene = cornell();
     scene.render.sampler = Sampler::Sobol;
-    let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Power);
+    let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Power);
     let context = context();
-    let mut session = Session::new(context, &prepared, prepared.scene.film, 41).unwrap();
+    let mut session = Session::new(context, &prepared, prepared.film, 41).unwrap();
     session.pass(64, || false).unwrap();
     let film = session.snapshot().unwrap().0;
     let sum = |variances: &mut dyn Iterator<Item = [f64; 3]>| variances.map(|v| v[1]).sum::<f64>();

@@ -8,11 +8,13 @@ use crate::support::{
 use direkt::accel::parts::{PARTS, Split};
 use direkt::effects::Effect;
 use direkt::gpu::doctor::loops::loop_budget;
-use direkt::render::{Film, Prepared, Session, StopReason};
+use direkt::prepare::{Prepared, SceneData};
+use direkt::render::{Film, Session, StopReason};
 use direkt::scene::{Camera, Emission, FilmSize, Geometry, MaterialId, Mesh, Sampler, Scene};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 fn small_cornell() -> Scene {
     let mut scene = scene("scenes/cornell.toml");
@@ -25,7 +27,7 @@ fn small_cornell() -> Scene {
 
 fn film_of(prepared: &Prepared, passes: &[u64]) -> Film {
     let context = context();
-    let mut session = Session::new(context, prepared, prepared.scene.film, 3).unwrap();
+    let mut session = Session::new(context, prepared, prepared.film, 3).unwrap();
     for &samples in passes {
         assert_eq!(session.pass(samples, || false).unwrap(), StopReason::Done);
     }
@@ -89,20 +91,21 @@ fn waves() -> Scene {
 /// Nodes, primitives and attributes in several bindings, as large scenes have them, are read as in one.
 #[test]
 fn split_geometry_is_the_same() {
-    let mut prepared = prepared(waves());
-    assert_eq!(prepared.split, None);
-    let whole = film_of(&prepared, &[2]);
+    let mut data = SceneData::new(waves());
+    assert_eq!(data.split, None);
+    let whole = film_of(&prepared(waves()), &[2]);
     assert!(whole.mean()[0] > 0.0);
-    let (nodes, primitives) = (prepared.bvh.nodes.len(), prepared.primitives.len());
-    let words = prepared.attributes.words.len();
+    let (nodes, primitives) = (data.bvh.nodes.len(), data.primitives.len());
+    let words = data.attributes.words.len();
     let [nodes, primitives, words] = [nodes, primitives, words].map(|count| count.div_ceil(PARTS));
-    let split = Split {
+    data.split = Some(Split {
         nodes,
         primitives,
         words,
-    };
-    prepared.split = Some(split);
-    assert_eq!(whole, film_of(&prepared, &[2]));
+    });
+    let settings = data.scene.render;
+    let split = Prepared::new(&Arc::new(data), settings);
+    assert_eq!(whole, film_of(&split, &[2]));
 }
 
 #[test]
@@ -110,7 +113,7 @@ fn other_seeds_give_other_images() {
     let context = context();
     let prepared = prepared(small_cornell());
     let films = [3, 4].map(|seed| {
-        let mut session = Session::new(context, &prepared, prepared.scene.film, seed).unwrap();
+        let mut session = Session::new(context, &prepared, prepared.film, seed).unwrap();
         take(&mut session, 4);
         session.snapshot().unwrap().0
     });
@@ -209,7 +212,7 @@ fn an_image_of_several_regions_is_covered() {
 fn an_interrupted_pass_keeps_what_it_has() {
     let context = context();
     let prepared = prepared(small_cornell());
-    let mut session = Session::new(context, &prepared, prepared.scene.film, 3).unwrap();
+    let mut session = Session::new(context, &prepared, prepared.film, 3).unwrap();
     session.pass(2, || false).unwrap();
     assert_eq!(session.pass(2, || true).unwrap(), StopReason::Interrupted);
     let (film, rays) = session.snapshot().unwrap();
@@ -245,7 +248,7 @@ fn loops_longer_than_a_drivers_budget_lose_no_sample() {
     }
     let context = context();
     let prepared = prepared(scene);
-    let mut session = Session::new(context, &prepared, prepared.scene.film, 0).unwrap();
+    let mut session = Session::new(context, &prepared, prepared.film, 0).unwrap();
     session.pass(64, || false).unwrap();
     let (film, _) = session.snapshot().unwrap();
     assert_eq!(film.pixels[0].mean, [1.0; 3], "{:?}", context.adapter);

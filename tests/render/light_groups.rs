@@ -1,9 +1,10 @@
 //! The light of groups of lights: together the image, each that of its lights alone, and absent where nobody asks.
 
-use crate::support::{context, point_light, prepared, scene, statistics, take};
+use crate::support::{context, point_light, prepared, prepared_for, scene, statistics, take};
 use direkt::gpu::Context;
+use direkt::prepare::Prepared;
 use direkt::reference::{BrokenTwin, Twin};
-use direkt::render::{Film, Prepared, Session};
+use direkt::render::{Film, Session};
 use direkt::scene::{Aov, Aovs, FilmSize, LightSelection, Sampler, Scene, Strategy};
 use direkt::stats::moments::Moments;
 use direkt::stats::z_test::z_test;
@@ -51,7 +52,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
 }
 
 fn film(context: &Context, prepared: &Prepared, samples: u64) -> Film {
-    let mut session = Session::new(context, prepared, prepared.scene.film, 3).unwrap();
+    let mut session = Session::new(context, prepared, prepared.film, 3).unwrap();
     take(&mut session, samples);
     session.snapshot().unwrap().0
 }
@@ -73,7 +74,7 @@ fn all_groups_together_are_the_image() {
     let context = context();
     for (name, scene) in scenes() {
         for strategy in [Strategy::LightArea, Strategy::Bsdf, Strategy::MisPower] {
-            let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
+            let prepared = prepared_for(scene.clone(), strategy, LightSelection::Power);
             let names = &prepared.emitters.groups.names;
             let mut film = film(context, &prepared, 9);
             assert_eq!(film.light_groups.len(), names.len(), "{name}");

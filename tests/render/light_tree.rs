@@ -2,11 +2,13 @@
 
 use crate::support::twin::{Part, accept_means, recorded_film, same_means, twin_film};
 use crate::support::{
-    context, emitter, floor_pixel, point_light, prepared, scene, statistics, unit_square,
+    context, emitter, floor_pixel, point_light, prepared, prepared_for, scene, statistics,
+    unit_square,
 };
 use direkt::effects::Effect;
 use direkt::emitters::{LightTree, Selection};
-use direkt::render::{Film, Prepared};
+use direkt::prepare::Prepared;
+use direkt::render::Film;
 use direkt::scene::{FilmSize, Geometry, LightSelection, Scene, Strategy};
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
@@ -75,7 +77,7 @@ fn a_tree_with_a_mistake_is_found_out() {
         ),
     ];
     for (mistake, strategy, make_it) in mistakes {
-        let make = || Prepared::new(lamps(), strategy, LightSelection::Tree);
+        let make = || prepared_for(lamps(), strategy, LightSelection::Tree);
         let honest = make();
         let gpu = recorded_film(context, &honest, (FILM, 200, 256), Part::Reflected);
         let twin = |p: &Prepared| twin_film(p, (FILM, 201, 128), Part::Reflected, None);
@@ -106,7 +108,7 @@ fn dim_and_bright_lights_give_their_sum() {
         // ρ/π · I/d² with ρ = ½.
         let exact = 0.5 / std::f64::consts::PI * (1e-3 / (dim * dim) + 1e3 / (bright * bright));
         for &selection in selections {
-            let prepared = Prepared::new(scene.clone(), Strategy::MisPower, selection);
+            let prepared = prepared_for(scene.clone(), Strategy::MisPower, selection);
             let film = recorded_film(context, &prepared, (FILM, 210, 64), Part::Reflected);
             let error = film.standard_error_of_mean().unwrap()[0];
             let mean = film.mean()[0];
@@ -133,7 +135,7 @@ fn a_tree_has_less_than_a_tenth_of_the_variance_of_power() {
         height: 54,
     };
     let variance_by = |selection| {
-        let prepared = Prepared::new(scene.clone(), Strategy::LightSolidAngle, selection);
+        let prepared = prepared_for(scene.clone(), Strategy::LightSolidAngle, selection);
         assert_eq!(prepared.emitters.lights.len(), 100_000);
         let film = recorded_film(context, &prepared, (scene.film, 220, 32), Part::Reflected);
         variance(&film)

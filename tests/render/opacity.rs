@@ -120,7 +120,7 @@ fn a_minute_opacity_lets_all_but_nothing_pass() {
 fn opaque_surfaces_and_absent_ones_call_for_nothing() {
     let opaque = prepared(under_layers(3, 1.0));
     assert!(!opaque.effects.contains(Effect::Alpha));
-    assert_eq!(opaque.primitives.len(), 7);
+    assert_eq!(opaque.data.primitives.len(), 7);
     let mut scene = under_layers(3, 0.0);
     let mut light = emitter(unit_square(), 5.0, true);
     light.material = MaterialId(1);
@@ -129,7 +129,7 @@ fn opaque_surfaces_and_absent_ones_call_for_nothing() {
     assert!(!absent.effects.contains(Effect::Alpha));
     assert!(!absent.effects.contains(Effect::Triangles));
     assert_eq!(
-        (absent.primitives.len(), absent.emitters.lights.len()),
+        (absent.data.primitives.len(), absent.emitters.lights.len()),
         (1, 0)
     );
 }

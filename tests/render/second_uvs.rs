@@ -77,10 +77,10 @@ fn each_texture_is_read_with_its_own_set() {
 fn the_second_set_is_there_where_it_is_read() {
     let one = prepared(floor([false, false]));
     assert!(!one.effects.contains(Effect::SecondUvs));
-    assert_eq!(one.attributes.words.len(), 2 * (3 + 3));
+    assert_eq!(one.data.attributes.words.len(), 2 * (3 + 3));
     let two = prepared(floor([false, true]));
     assert!(two.effects.contains(Effect::SecondUvs));
-    assert_eq!(two.attributes.words.len(), 2 * (3 + 3 + 2));
+    assert_eq!(two.data.attributes.words.len(), 2 * (3 + 3 + 2));
     let mut missing = floor([false, true]);
     let Geometry::Mesh(mesh) = &mut missing.shapes[0].geometry else {
         panic!("a mesh")

@@ -322,7 +322,7 @@ fn cut_loops_lose_no_shadow_ray() {
         scene.lights.push(light(2.0));
         scene.render.light_selection = selection;
         let prepared = prepared(scene);
-        let mut session = Session::new(context, &prepared, prepared.scene.film, 0).unwrap();
+        let mut session = Session::new(context, &prepared, prepared.film, 0).unwrap();
         session.pass(256, || false).unwrap();
         let (film, _) = session.snapshot().unwrap();
         let pixel = &film.pixels[0];

@@ -6,10 +6,11 @@ use crate::support::twin::{
 };
 use crate::support::{
     KINDS_OF_STRATEGIES, STRATEGIES, context, emitter, floor_pixel, lambert, own_scenes, prepared,
-    render, scene, scenes_of_lights,
+    prepared_for, render, scene, scenes_of_lights,
 };
+use direkt::prepare::Prepared;
 use direkt::reference::BrokenTwin;
-use direkt::render::{Film, Prepared};
+use direkt::render::Film;
 use direkt::scene::Projection;
 use direkt::scene::{
     Bsdf, FilmSize, Geometry, LightSampling, LightSelection, Sampler, Scene, ShadowPattern,
@@ -63,7 +64,7 @@ fn strategies_agree_on_every_scene() {
         } else {
             KINDS_OF_STRATEGIES.as_slice()
         };
-        let with = |&strategy| Prepared::new(scene.clone(), strategy, LightSelection::Power);
+        let with = |&strategy| prepared_for(scene.clone(), strategy, LightSelection::Power);
         let all: Vec<Prepared> = strategies.iter().map(with).collect();
         let films: Vec<_> = (71..)
             .zip(&all)
@@ -111,7 +112,7 @@ fn light_selection_does_not_change_the_mean() {
     ];
     for (name, scene) in scenes_of_lights() {
         let all =
-            selections.map(|selection| Prepared::new(scene.clone(), Strategy::MisPower, selection));
+            selections.map(|selection| prepared_for(scene.clone(), Strategy::MisPower, selection));
         let films = [0, 1, 2, 3].map(|i| {
             let run = (FILM, 80 + i as u32, SAMPLES);
             recorded_film(context, &all[i], run, Part::Reflected)
@@ -137,13 +138,13 @@ fn shadow_rays_do_not_change_the_mean() {
     let mut scenes = scenes_of_lights();
     scenes.push(("glossy floor".to_owned(), glossy_floor()));
     for (name, scene) in scenes {
-        let one = Prepared::new(scene.clone(), Strategy::MisPower, LightSelection::Power);
+        let one = prepared_for(scene.clone(), Strategy::MisPower, LightSelection::Power);
         let film = recorded_film(context, &one, (FILM, 85, SAMPLES), Part::Reflected);
         for pattern in [ShadowPattern::Random, ShadowPattern::Stratified] {
             let mut scene = scene.clone();
             scene.render.shadow_rays = 4;
             scene.render.shadow_pattern = pattern;
-            let four = Prepared::new(scene, Strategy::MisPower, LightSelection::Power);
+            let four = prepared_for(scene, Strategy::MisPower, LightSelection::Power);
             let of_four = recorded_film(context, &four, (FILM, 86, SAMPLES), Part::Reflected);
             let what = format!("{name}, 1 and 4 {pattern} rays, {}", context.adapter.name);
             accept_means(same_means(&of_four, &film), &what);

@@ -4,13 +4,12 @@
 //! weight. Pairs of different strategies are not: BSDF sampling that has not met a small light yet is dark in all its
 //! samples. Pixels of different strategies are therefore compared through their twins.
 
-use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes, scene, statistics};
+use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes, prepared_for, scene, statistics};
 use direkt::compare::per_pixel::{Accumulator, PerPixel};
 use direkt::compare::whole_image::WholeImage;
 use direkt::gpu::recorder::Recorder;
 use direkt::reference::Twin;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
-use direkt::render::Prepared;
 use direkt::scene::{FilmSize, LightSelection};
 use std::collections::BTreeMap;
 
@@ -44,7 +43,7 @@ fn pixels_and_means_are_the_twins() {
     scenes.push(("sky.toml with 4 shadow rays".to_owned(), sky));
     for (name, scene) in scenes {
         for strategy in KINDS_OF_STRATEGIES {
-            let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
+            let prepared = prepared_for(scene.clone(), strategy, LightSelection::Power);
             let recorder = Recorder::new(context, &prepared, FILM, 60).unwrap();
             let records: Vec<_> = (0..SAMPLES).map(|i| recorder.samples(i).unwrap()).collect();
             let against = |broken: Option<BrokenTwin>| {

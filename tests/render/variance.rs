@@ -2,8 +2,9 @@
 
 use crate::support::twin::{Part, twin_film};
 use crate::support::{STRATEGIES, context, emitter, floor_pixel, render, statistics, unit_square};
+use direkt::prepare::Prepared;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
-use direkt::render::{Film, Prepared};
+use direkt::render::Film;
 use direkt::scene::Projection;
 use direkt::scene::{FilmSize, Geometry, Scene, Strategy};
 use direkt::stats::moments::Moments;
@@ -128,9 +129,8 @@ fn the_variance_of_every_strategy_falls_with_the_number_of_samples() {
 #[test]
 fn biased_twins_do_not_have_the_exact_variance() {
     let scene = square_over_floor();
-    let settings = scene.render;
     let size = scene.film;
-    let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    let prepared = Prepared::of(scene);
     for row in BROKEN_TWINS.iter().filter(|row| (row.applies)(&prepared)) {
         let films = [LEVELS[0], LEVELS[2]].map(|spp| {
             twin_film(

@@ -7,10 +7,10 @@ use crate::support::twin::{Part, accept_means, recorded_film, same_means, twin_f
 use crate::support::{context, prepared};
 use base64::Engine;
 use direkt::effects::Effect;
+use direkt::prepare::Prepared;
 use direkt::reference::core::ray::{Hit, Ray};
 use direkt::reference::scene::fetch::World;
 use direkt::reference::scene::surface::surface_at;
-use direkt::render::Prepared;
 use direkt::scene::{Bsdf, FilmSize, Material, Scene};
 use glam::{DVec2, DVec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb, Rgba};
@@ -62,8 +62,7 @@ fn said(scene: &Scene, what: &str) -> usize {
 }
 
 fn effects(scene: Scene) -> Vec<Effect> {
-    let settings = scene.render;
-    let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    let prepared = Prepared::of(scene);
     prepared.effects.iter().map(|(effect, _)| effect).collect()
 }
 

@@ -3,7 +3,7 @@
 use super::files::{Folder, load_gltf, triangle_gltf, with};
 use super::textures::{png, with_texture};
 use direkt::effects::Effect;
-use direkt::render::Prepared;
+use direkt::prepare::Prepared;
 use direkt::scene::{Opacity, Scene};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgba};
 use serde_json::{Value, json};
@@ -185,8 +185,7 @@ fn opacities_of_toml() {
 fn effects_say_why() {
     let material = "opacity = 0.9\nalpha_cutoff = 0.5\ntextures.opacity = { file = \"leaf.png\" }";
     let scene = toml(material).expect("valid");
-    let settings = scene.render;
-    let prepared = Prepared::new(scene, settings.strategy, settings.light_selection);
+    let prepared = Prepared::of(scene);
     let reason = |effect: Effect| {
         let mut effects = prepared.effects.iter();
         effects

@@ -2,9 +2,9 @@
 
 use super::files::{Folder, load_gltf, triangle_gltf, with};
 use super::meshes::{load_mesh, mesh};
+use crate::support::prepared_for;
 use base64::Engine;
 use direkt::effects::Effect;
-use direkt::render::Prepared;
 use direkt::scene::{LightSelection, Opacity, Scene, Strategy};
 use glam::Vec4;
 use serde_json::{Value, json};
@@ -75,7 +75,7 @@ fn vertices_without_a_colour_are_white() {
 }
 
 fn calls_for(scene: &Scene) -> bool {
-    let prepared = Prepared::new(scene.clone(), Strategy::MisPower, LightSelection::Power);
+    let prepared = prepared_for(scene.clone(), Strategy::MisPower, LightSelection::Power);
     prepared.effects.contains(Effect::VertexColors)
 }
 
@@ -229,8 +229,8 @@ fn alpha_of_color_0_follows_the_alpha_mode() {
     let blend = load(json!({ "alphaMode": "BLEND" }), varied);
     let alphas: Vec<f32> = mesh(&blend).colors.iter().map(|c| c.w).collect();
     assert_eq!(alphas, [0.2, 0.4, 1.0]);
-    let attributes = Prepared::new(blend, Strategy::MisPower, LightSelection::Power).attributes;
-    assert!(attributes.of_primitive[0].opacity);
+    let blend = prepared_for(blend, Strategy::MisPower, LightSelection::Power);
+    assert!(blend.data.attributes.of_primitive[0].opacity);
     // 51/255 reaches a cutoff of 0.2: all of it is opaque. 102/255 does, and 51/255 does not.
     let mask = |cutoff: f64| json!({ "alphaMode": "MASK", "alphaCutoff": cutoff });
     let whole = load(mask(0.2), varied);

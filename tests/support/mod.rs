@@ -15,11 +15,13 @@ pub mod twin;
 
 pub use device::context;
 use direkt::gpu::Context;
-use direkt::render::{Film, Prepared, Session, StopReason};
+use direkt::prepare::Prepared;
+use direkt::render::{Film, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
-    Bsdf, Camera, Emission, FilmSize, Geometry, Light, LightGroups, Material, MaterialId,
-    MaterialTextures, Opacity, PixelFilter, RenderSettings, Sampler, Scene, Shape, Strategy,
+    Bsdf, Camera, Emission, FilmSize, Geometry, Light, LightGroups, LightSelection, Material,
+    MaterialId, MaterialTextures, Opacity, PixelFilter, RenderSettings, Sampler, Scene, Shape,
+    Strategy,
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
@@ -117,8 +119,14 @@ pub const NEEDS_ASSETS: [&str; 2] = ["bunny.toml", "helmet.toml"];
 
 /// `scene` made ready with its own settings.
 pub fn prepared(scene: Scene) -> Prepared {
-    let settings = scene.render;
-    Prepared::new(scene, settings.strategy, settings.light_selection)
+    Prepared::of(scene)
+}
+
+/// `scene` made ready for `strategy` with lights chosen by `selection`.
+pub fn prepared_for(mut scene: Scene, strategy: Strategy, selection: LightSelection) -> Prepared {
+    scene.render.strategy = strategy;
+    scene.render.light_selection = selection;
+    Prepared::of(scene)
 }
 
 /// Renders `scene` with its own settings.
@@ -128,7 +136,7 @@ pub fn render(context: &Context, scene: Scene) -> Film {
 
 /// Renders a prepared scene by its own settings.
 pub fn render_prepared(context: &Context, prepared: &Prepared) -> Film {
-    let (film, settings) = (prepared.scene.film, prepared.scene.render);
+    let (film, settings) = (prepared.film, prepared.settings);
     let mut session = Session::new(context, prepared, film, settings.seed).unwrap();
     take(&mut session, settings.spp);
     session.snapshot().unwrap().0

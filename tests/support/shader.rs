@@ -8,7 +8,7 @@ use direkt::gpu::kernel::{Entry, READ_WRITE};
 use direkt::gpu::layout::Dispatch;
 use direkt::gpu::program::{POISON, SceneProgram};
 use direkt::gpu::{Context, GpuBuffer};
-use direkt::render::Prepared;
+use direkt::prepare::Prepared;
 
 /// Invocations of one dispatch at most.
 const MAX_ITEMS: usize = 65_535 * 64;
@@ -91,9 +91,7 @@ pub fn draw(context: &Context, function: &Function<'_>, count: usize) -> Answers
 }
 
 fn empty() -> Prepared {
-    let scene = floor_pixel();
-    let settings = scene.render;
-    Prepared::new(scene, settings.strategy, settings.light_selection)
+    Prepared::of(floor_pixel())
 }
 
 /// Runs `function` on `count` items with the scene bound. The frame is that of the scene's film and seed.
@@ -118,8 +116,8 @@ pub fn call_in(
         features: function.features,
         own: &[READ, READ_WRITE],
     };
-    let scene = &prepared.scene;
-    let program = SceneProgram::new(context, prepared, scene.film, scene.render.seed, &entry)
+    let (film, seed) = (prepared.film, prepared.settings.seed);
+    let program = SceneProgram::new(context, prepared, film, seed, &entry)
         .unwrap_or_else(|e| panic!("{adapter}: {e}\n{source}"));
     let device = &context.device;
     let inputs = GpuBuffer::storage(device, "test.inputs", items);

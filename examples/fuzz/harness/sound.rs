@@ -2,7 +2,7 @@
 
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
-use direkt::render::Prepared;
+use direkt::prepare::Prepared;
 use direkt::scene::validate::validate;
 use direkt::scene::{EnvironmentRadiance, Light, Scene};
 use glam::DVec3;
@@ -15,9 +15,8 @@ pub fn check(scene: Scene) -> Result<(), String> {
 
 /// Prepares `scene` for rendering. `Err` says which number would reach the GPU as an infinity or as none.
 pub fn prepare(scene: Scene) -> Result<(), String> {
-    let (strategy, selection) = (scene.render.strategy, scene.render.light_selection);
-    let prepared = Prepared::new(scene, strategy, selection);
-    let normalization = &prepared.normalization;
+    let prepared = Prepared::of(scene);
+    let normalization = &prepared.data.normalization;
     if !normalization.center.is_finite() {
         return Err(format!(
             "normalisation: centre: is {}",
@@ -27,8 +26,8 @@ pub fn prepare(scene: Scene) -> Result<(), String> {
     require("normalisation: scale", normalization.scale, |s| {
         s.is_normal() && s > 0.0
     })?;
-    small("eye", normalization.point(prepared.scene.camera.eye))?;
-    for primitive in &prepared.primitives {
+    small("eye", normalization.point(prepared.camera.eye))?;
+    for primitive in &prepared.data.primitives {
         let (low, high) = primitive.geometry.bounds();
         let within = |v: DVec3| v.abs().max_element() < 1.001 * normalization.reach;
         if !(within(low) && within(high)) {
@@ -51,7 +50,7 @@ pub fn prepare(scene: Scene) -> Result<(), String> {
             small("rotation", rodrigues)?;
         }
     }
-    let bvh = &prepared.bvh;
+    let bvh = &prepared.data.bvh;
     finite("grid: origin", bvh.grid.origin.as_dvec3())?;
     finite("grid: scale", bvh.grid.scale.as_dvec3())?;
     lights(&prepared)
@@ -87,11 +86,11 @@ fn lights(prepared: &Prepared) -> Result<(), String> {
         }
     }
     let lit = !prepared.emitters.lights.is_empty();
-    if lit && prepared.scene.render.strategy.samples_lights() {
+    if lit && prepared.settings.strategy.samples_lights() {
         let chosen = prepared.emitters.sampled().next();
         chosen.ok_or("there are lights, and none is ever chosen")?;
     }
-    let Some(environment) = &prepared.scene.environment else {
+    let Some(environment) = &prepared.data.scene.environment else {
         return Ok(());
     };
     require("environment: scale", environment.scale, is_finite)?;

@@ -3,7 +3,8 @@
 use super::Rendered;
 use crate::cli::passes::StoppedBy;
 use crate::gpu::AdapterFacts;
-use crate::render::{Check, ImageError, Ledger, Prepared, RayCounts};
+use crate::prepare::Prepared;
+use crate::render::{Check, ImageError, Ledger, RayCounts};
 use crate::scene::{Aovs, LightSampling, LightSelection, Sampler, ShadowPattern, Strategy};
 use serde::Serialize;
 use std::ffi::OsStr;
@@ -66,7 +67,7 @@ struct EffectReport {
 
 /// What is known of the image in the end.
 pub(super) fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds) -> Report {
-    let settings = prepared.scene.render;
+    let settings = prepared.settings;
     let Rendered {
         film,
         rays,
@@ -77,7 +78,7 @@ pub(super) fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds)
     let rays = *rays;
     Report {
         direkt: env!("CARGO_PKG_VERSION"),
-        scene: prepared.scene.source.display().to_string(),
+        scene: prepared.data.scene.source.display().to_string(),
         adapter: device.adapter.clone(),
         width: film.size.width,
         height: film.size.height,
@@ -107,7 +108,7 @@ pub(super) fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds)
         image_mean: film.mean(),
         image_mean_standard_error: film.standard_error_of_mean(),
         check: None,
-        warnings: prepared.scene.warnings.clone(),
+        warnings: prepared.data.scene.warnings.clone(),
     }
 }
 

@@ -99,7 +99,7 @@ impl<'a> ExactScene<'a> {
             return Err(NotExact::Sun);
         }
         if let Some(map) = world.prepared.emitters.maps.first() {
-            let shape = &world.prepared.scene.shapes[map.shape.index()];
+            let shape = &world.prepared.data.scene.shapes[map.shape.index()];
             return Err(NotExact::EmissiveTexture(shape.name.clone()));
         }
         if world.prepared.effects.contains(Effect::EnergyCompensation) {
@@ -109,7 +109,7 @@ impl<'a> ExactScene<'a> {
         if let Some((_, reason)) = effects.find(|(effect, _)| *effect == Effect::Alpha) {
             return Err(NotExact::Opacity(reason.to_owned()));
         }
-        for material in &world.prepared.scene.materials {
+        for material in &world.prepared.data.scene.materials {
             let parameters = material.bsdf.parameters();
             if parameters.is_specular() || parameters.unlit {
                 return Err(NotExact::Specular(material.name.clone()));

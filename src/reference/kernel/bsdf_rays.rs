@@ -92,7 +92,7 @@ impl Direct<'_> {
         let dark = (DVec3::ZERO, PdfSolidAngle(0.0));
         let Some(hit) = closest_hit(world, ray, crossings) else {
             sample.path.bsdf = BsdfRay::Missed;
-            if world.prepared.scene.environment.is_none() {
+            if world.prepared.data.scene.environment.is_none() {
                 return dark;
             }
             sample.conditions.cell_margin = environment_cell_margin(world, ray.direction);

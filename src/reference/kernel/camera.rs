@@ -11,7 +11,7 @@ use glam::DVec2;
 /// plane at the focus distance.
 pub fn camera_ray(world: &World<'_>, size: FilmSize, film: DVec2, lens: DVec2) -> Ray {
     let prepared = world.prepared;
-    let camera = prepared.normalization.camera(&prepared.scene.camera);
+    let camera = prepared.data.normalization.camera(&prepared.camera);
     let half_height = camera.half_height();
     let x = (2.0 * film.x / f64::from(size.width) - 1.0) * half_height * size.aspect();
     let y = (1.0 - 2.0 * film.y / f64::from(size.height)) * half_height;

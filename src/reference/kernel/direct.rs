@@ -12,6 +12,7 @@ use super::shadow_rays::{LightNumbers, ShadowRays};
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
 use crate::emitters::Selection;
+use crate::prepare::Prepared;
 use crate::reference::broken::BrokenTwin;
 use crate::reference::bsdf::bsdf::{
     BsdfSample, Hemisphere, eval_bsdf, sample_bsdf, sample_hemisphere,
@@ -36,7 +37,6 @@ use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::{Crossings, RAY_BSDF, RAY_SHADOW};
 use crate::reference::scene::surface::{Surface, is_above, shadow_ray};
 use crate::reference::scene::trace::any_hit;
-use crate::render::Prepared;
 use crate::scene::FilmSize;
 use crate::scene::filter::FilterTable;
 use glam::{DVec2, DVec3};
@@ -70,7 +70,7 @@ impl<'a> Direct<'a> {
         let lights = 0..prepared.emitters.lights.len() as u32;
         let likeliest = lights.max_by(|a, b| probability(a).total_cmp(&probability(b)));
         let numbers = Numbers {
-            sampler: prepared.scene.render.sampler,
+            sampler: prepared.settings.sampler,
             pattern: prepared.patterns().pixel,
             width: size.width,
         };
@@ -83,7 +83,7 @@ impl<'a> Direct<'a> {
             sample_lights: prepared.effects.contains(Effect::SampleLights),
             sample_bsdf: prepared.effects.contains(Effect::SampleBsdf),
             hemisphere: hemisphere(prepared),
-            filter: prepared.scene.filter.table(),
+            filter: prepared.data.scene.filter.table(),
             balance: prepared.effects.contains(Effect::BalanceHeuristic),
             broken,
             left_out: likeliest.unwrap_or(u32::MAX),
@@ -130,7 +130,7 @@ impl<'a> Direct<'a> {
 
     /// The same sample with its camera ray turned by so many radians to the right and up: what rounding the ray does to it.
     pub fn turned_sample(&self, (x, y): (u32, u32), index: u64, turn: DVec2) -> Sample {
-        let camera = &self.world.prepared.scene.camera;
+        let camera = &self.world.prepared.camera;
         let mut ray = self.camera_ray(x, y, index);
         let turned = ray.direction + turn.x * camera.right + turn.y * camera.up;
         ray.direction = turned.normalize();

@@ -1,12 +1,12 @@
 //! The random numbers of a camera ray's shadow rays; see `shaders/kernel/shadow_rays.wesl`.
 
 use crate::emitters::Selection;
+use crate::prepare::Prepared;
 use crate::reference::core::rng::to_unit_2d;
 use crate::reference::core::sampler::{
     GROUP_DIRECTION, GROUP_LIGHT, GROUP_LIGHT_POINTS, GROUP_LIGHT_TREE, Numbers, SampleId,
     independent_counter, part_of_sample,
 };
-use crate::render::Prepared;
 use crate::scene::{ShadowGrid, ShadowPattern};
 use glam::DVec2;
 

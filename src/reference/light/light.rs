@@ -153,7 +153,7 @@ pub fn emitted_radiance(world: &World<'_>, light: u32, front: bool, st: DVec2) -
 }
 
 fn environment<'a>(world: &World<'a>) -> &'a Environment {
-    let environment = world.prepared.scene.environment.as_ref();
+    let environment = world.prepared.data.scene.environment.as_ref();
     environment.expect("only a scene with an environment asks for it")
 }
 
@@ -183,7 +183,7 @@ fn map_radiance(map: &EnvironmentMap, image: DVec2) -> DVec3 {
 
 /// Radiance that arrives from the environment in the unit direction `direction`; 0 where there is none.
 pub fn environment_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
-    let Some(environment) = &world.prepared.scene.environment else {
+    let Some(environment) = &world.prepared.data.scene.environment else {
         return DVec3::ZERO;
     };
     if !environment_light(world).is_none_or(|index| world.shines(index)) {

@@ -24,7 +24,12 @@ fn pair([x, y]: [f32; 2]) -> DVec2 {
 /// The vertex normals of `p`, which has them.
 pub fn fetch_normals(world: &World<'_>, p: &Primitive) -> VertexNormals {
     let normal = |n| from_octahedral(pair(n)).normalize();
-    world.prepared.attributes.normals(&p.attributed).map(normal)
+    world
+        .prepared
+        .data
+        .attributes
+        .normals(&p.attributed)
+        .map(normal)
 }
 
 /// The texture coordinates of `p`, which has them.
@@ -33,14 +38,14 @@ pub fn fetch_uvs(world: &World<'_>, p: &Primitive) -> VertexUvs {
     match p.geometry {
         PrimitiveGeometry::Rectangle { .. } => corners.map(rectangle_uv),
         PrimitiveGeometry::Disk { .. } => corners.map(disk_uv),
-        _ => world.prepared.attributes.uvs(&p.attributed).map(pair),
+        _ => world.prepared.data.attributes.uvs(&p.attributed).map(pair),
     }
 }
 
 /// The texture coordinates of `p` that `texture` is read with.
 pub fn uvs_of(world: &World<'_>, p: &Primitive, texture: &TextureUse) -> VertexUvs {
     if texture.second_uvs {
-        let attributes = &world.prepared.attributes;
+        let attributes = &world.prepared.data.attributes;
         attributes.second_uvs(&p.attributed).map(pair)
     } else {
         fetch_uvs(world, p)
@@ -49,7 +54,7 @@ pub fn uvs_of(world: &World<'_>, p: &Primitive, texture: &TextureUse) -> VertexU
 
 /// The vertex colours of `p`, which has them.
 pub fn fetch_colors(world: &World<'_>, p: &Primitive) -> VertexColors {
-    let colors = world.prepared.attributes.colors(&p.attributed);
+    let colors = world.prepared.data.attributes.colors(&p.attributed);
     colors.map(|c| DVec4::from_array(c.map(f64::from)))
 }
 
@@ -113,7 +118,7 @@ pub type VertexTangents = [DVec4; 3];
 
 /// The tangents of `p`, which has them.
 pub fn fetch_tangents(world: &World<'_>, p: &Primitive) -> VertexTangents {
-    let tangents = world.prepared.attributes.tangents(&p.attributed);
+    let tangents = world.prepared.data.attributes.tangents(&p.attributed);
     tangents.map(|t| DVec4::from_array(t.map(f64::from)))
 }
 

@@ -3,8 +3,8 @@
 use crate::accel::{Attributed, PrimitiveGeometry};
 use crate::effects::Effect;
 use crate::emitters::Emitter;
+use crate::prepare::Prepared;
 use crate::reference::core::bvh::Bvh;
-use crate::render::Prepared;
 use crate::scene::MaterialId;
 use crate::scene::material::BsdfParameters;
 
@@ -41,7 +41,7 @@ pub struct World<'a> {
 impl<'a> World<'a> {
     /// The scene of `prepared`.
     pub fn new(prepared: &'a Prepared) -> Self {
-        let materials = prepared.scene.materials.iter();
+        let materials = prepared.data.scene.materials.iter();
         let compensated = prepared.effects.contains(Effect::EnergyCompensation);
         let parameters = materials.map(|m| {
             let mut parameters = m.bsdf.parameters();
@@ -52,11 +52,12 @@ impl<'a> World<'a> {
         });
         let parameters: Vec<_> = parameters.collect();
         let mut primitives: Vec<Primitive> = prepared
+            .data
             .primitives
             .iter()
-            .zip(&prepared.attributes.of_primitive)
+            .zip(&prepared.data.attributes.of_primitive)
             .map(|(p, &attributed)| {
-                let material = &prepared.scene.materials[p.material.index()];
+                let material = &prepared.data.scene.materials[p.material.index()];
                 Primitive {
                     geometry: p.geometry,
                     material: parameters[p.material.index()],
@@ -90,14 +91,14 @@ impl<'a> World<'a> {
 
     /// Name of the shape that primitive `index` is a part of.
     pub fn name_of(&self, index: usize) -> String {
-        let shape = self.prepared.primitives[index].shape;
-        self.prepared.scene.shapes[shape.index()].name.clone()
+        let shape = self.prepared.data.primitives[index].shape;
+        self.prepared.data.scene.shapes[shape.index()].name.clone()
     }
 
     /// Whether primitive `index` is shaded with other normals than its own.
     pub fn has_shading_normals(&self, index: usize) -> bool {
         let p = &self.primitives[index];
-        let material = &self.prepared.scene.materials[p.material_id.index()];
+        let material = &self.prepared.data.scene.materials[p.material_id.index()];
         p.attributed.normals || (p.attributed.uvs && material.textures.normal.is_some())
     }
 }

@@ -65,7 +65,7 @@ impl Crossings {
 
 /// α of the primitive `p` at its point `st`.
 pub fn opacity_at(world: &World<'_>, p: &Primitive, st: DVec2) -> f64 {
-    let opacity = &world.prepared.scene.materials[p.material_id.index()].opacity;
+    let opacity = &world.prepared.data.scene.materials[p.material_id.index()].opacity;
     let mut factor = 1.0;
     if p.attributed.colors {
         factor *= interpolate_color(&fetch_colors(world, p), st).w;

@@ -78,7 +78,7 @@ fn shading_at(
             shading.offset = offset;
         }
     }
-    let material = &world.prepared.scene.materials[p.material_id.index()];
+    let material = &world.prepared.data.scene.materials[p.material_id.index()];
     let mut factors = TexturedFactors::default();
     if p.attributed.colors {
         factors.color = interpolate_color(&fetch_colors(world, p), st).truncate();

@@ -7,5 +7,9 @@ use glam::{DVec2, DVec4};
 
 /// The value of a texture where the surface has the coordinates `uv`.
 pub fn sample_texture(world: &World<'_>, t: &TextureUse, uv: DVec2) -> DVec4 {
-    lookup::value(&world.prepared.scene.textures[t.texture.index()], t, uv)
+    lookup::value(
+        &world.prepared.data.scene.textures[t.texture.index()],
+        t,
+        uv,
+    )
 }

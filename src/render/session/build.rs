@@ -6,13 +6,12 @@ use super::standing::Standing;
 use super::{RayCounts, Session};
 use crate::error::GpuError;
 use crate::gpu::kernel::{DIRECT, SceneKernel};
-use crate::gpu::layout::{Dispatch, Frame, TILE, TILE_PIXELS};
-use crate::gpu::scene_buffers::{self, SceneBuffers};
+use crate::gpu::layout::{Dispatch, TILE, TILE_PIXELS};
 use crate::gpu::shader::Config;
-use crate::gpu::{Context, GpuBuffer};
+use crate::gpu::{Context, GpuBuffer, SceneBuffers, frame_of};
+use crate::prepare::{Patterns, Prepared};
 use crate::render::film::Film;
 use crate::render::memory;
-use crate::render::prepare::{Patterns, Prepared};
 use crate::scene::FilmSize;
 use std::time::{Duration, Instant};
 
@@ -115,20 +114,19 @@ impl<'a> Session<'a> {
             | wgpu::BufferUsages::COPY_SRC
             | wgpu::BufferUsages::COPY_DST;
         let read = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
-        let grid = buffers.environment.grid;
         let mut session = Self {
             context,
             scene: kernel.bind_scene(device, &buffers),
             kernel,
             frame: GpuBuffer::zeroed(device, "direct.frame", 1, uniform),
-            frame_data: scene_buffers::frame(prepared, film, seed, grid),
+            frame_data: frame_of(prepared, film, seed),
             dispatch: GpuBuffer::zeroed(device, "direct.dispatch", 1, uniform),
             unfinished: GpuBuffer::zeroed(device, "direct.unfinished", 1, unfinished),
             unfinished_staging: GpuBuffer::zeroed(device, "direct.unfinished.staging", 1, read),
             regions: Vec::new(),
             film: new_film(prepared, film),
             rays: RayCounts::default(),
-            adaptive: prepared.scene.render.adaptive,
+            adaptive: prepared.settings.adaptive,
             standing: Standing::default(),
             budget: first_budget(prepared),
             dispatch_time: dispatch_time(context),
@@ -197,12 +195,7 @@ impl<'a> Session<'a> {
     /// # Errors
     /// The driver fails.
     pub fn reframe(&mut self, prepared: &Prepared, film: FilmSize) -> Result<(), GpuError> {
-        let Frame {
-            seed,
-            environment_grid,
-            ..
-        } = self.frame_data;
-        self.frame_data = scene_buffers::frame(prepared, film, seed, environment_grid);
+        self.frame_data = frame_of(prepared, film, self.frame_data.seed);
         self.write_frame()?;
         if film != self.film.size {
             self.film = new_film(prepared, film);
@@ -239,7 +232,7 @@ impl<'a> Session<'a> {
 
 fn new_film(prepared: &Prepared, size: FilmSize) -> Film {
     let groups = prepared.emitters.groups.names.len();
-    Film::new(size, prepared.scene.render.sampler)
+    Film::new(size, prepared.settings.sampler)
         .with_light_groups(groups)
         .in_units_of(prepared.emitters.unit)
 }

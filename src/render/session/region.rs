@@ -5,8 +5,8 @@ use crate::golden;
 use crate::gpu::kernel::{OwnBindings, PassBuffers, RegionBindings, SceneKernel};
 use crate::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS, lane_pixel};
 use crate::gpu::{Context, GpuBuffer};
+use crate::prepare::Prepared;
 use crate::render::adaptive::CLASSES;
-use crate::render::prepare::Prepared;
 use crate::scene::FilmSize;
 use std::ops::Range;
 

@@ -5,10 +5,10 @@ use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, own_scenes, prepared, scene};
 use direkt::gpu::Context;
+use direkt::prepare::Prepared;
 use direkt::reference::core::ray::Ray;
 use direkt::reference::kernel::camera::camera_ray;
 use direkt::reference::scene::fetch::World;
-use direkt::render::Prepared;
 use direkt::scene::{FilmSize, Lens, Projection};
 use glam::DVec2;
 
@@ -53,9 +53,9 @@ fn rays(context: &Context, prepared: &Prepared, points: &[[DVec2; 2]]) -> Vec<Ra
 /// focus distance divides, with 6 more. The origin is the sum of the eye, which is rounded, of such a point, and of two
 /// vectors across an orthographic image with 4 roundings each.
 fn worst(rays: &[Ray], points: &[[DVec2; 2]], twin: &Prepared) -> [f64; 2] {
-    let film = twin.scene.film;
+    let film = twin.film;
     let world = World::new(twin);
-    let camera = twin.normalization.camera(&twin.scene.camera);
+    let camera = twin.data.normalization.camera(&twin.camera);
     let half = camera.half_height() * (1.0 + film.aspect());
     let Lens {
         radius,
@@ -129,13 +129,13 @@ fn lenses_and_projections_are_the_twins() {
                 context.adapter.name, scene.camera.lens
             );
             let prepared = prepared(scene);
-            let points = points(prepared.scene.film);
+            let points = points(prepared.film);
             let rays = rays(context, &prepared, &points);
             let found = worst(&rays, &points, &prepared);
             assert!(found.iter().all(|w| *w <= 1.0), "{what}: {found:?}");
             let broken = |change: &dyn Fn(&mut direkt::scene::Camera)| {
-                let mut twin = crate::support::prepared(prepared.scene.clone());
-                change(&mut twin.scene.camera);
+                let mut twin = crate::support::prepared(prepared.data.scene.clone());
+                change(&mut twin.camera);
                 let found = worst(&rays, &points, &twin);
                 assert!(
                     found.iter().any(|w| *w > 1.0),

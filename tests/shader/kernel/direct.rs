@@ -1,10 +1,9 @@
 //! `shaders/kernel/direct.wesl`: which pixel an invocation works on. Its estimator is tested in `tests/render/`.
 
-use crate::support::context;
 use crate::support::floor_pixel;
 use crate::support::shader::{Function, call_in};
+use crate::support::{context, prepared_for};
 use direkt::gpu::layout::{TILE, TILE_PIXELS, lane_pixel};
-use direkt::render::Prepared;
 use direkt::scene::{FilmSize, LightSelection, Strategy};
 
 /// Every pixel once, in tiles of 8 × 8, and nothing else within the image.
@@ -14,7 +13,7 @@ fn tiles_cover_every_pixel_once() {
     for (width, height) in [(1, 1), (63, 65), (8, 8), (9, 1), (1, 300), (640, 7)] {
         let mut scene = floor_pixel();
         scene.film = FilmSize { width, height };
-        let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Power);
+        let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Power);
         let function = Function {
             imports: "import package::kernel::direct::pixel_of;",
             body: "let p = pixel_of(item / 64u, item % 64u); out_u32(0u, p.x); out_u32(1u, p.y);",

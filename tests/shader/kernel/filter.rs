@@ -4,10 +4,10 @@ use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, edge_points, floor_pixel, histogram, prepared, statistics};
 use direkt::gpu::Context;
+use direkt::prepare::Prepared;
 use direkt::reference::BrokenTwin;
 use direkt::reference::exact::cubature::{Tolerance, integrate};
 use direkt::reference::kernel::filter::{film_point, sample_filter, sample_in_cell};
-use direkt::render::Prepared;
 use direkt::scene::PixelFilter;
 use direkt::scene::filter::FilterKind;
 use glam::{DVec2, DVec3};
@@ -49,7 +49,7 @@ fn film_points(context: &Context, prepared: &Prepared, numbers: &[DVec2]) -> Vec
 /// The quotient that places a number in its cell is off by 6 U, so that the answer lies between those of numbers as far away;
 /// what comes then has 30 roundings of its own, and ½ and the pixel are added, with one of the sum.
 fn excess(prepared: &Prepared, u: f64, found: f64) -> f64 {
-    let table = prepared.scene.filter.table();
+    let table = prepared.data.scene.filter.table();
     let distance = (2.0 * u - 1.0).abs();
     let cell = table
         .knots

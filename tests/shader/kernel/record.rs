@@ -1,10 +1,10 @@
 //! `shaders/kernel/record.wesl`: what it records is what a render accumulates.
 
-use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes};
+use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes, prepared_for};
 use direkt::compare::accumulation::TOLERANCE;
 use direkt::gpu::layout::{NONE, SampleRecord};
 use direkt::gpu::recorder::Recorder;
-use direkt::render::{Prepared, Session, StopReason};
+use direkt::render::{Session, StopReason};
 use direkt::scene::{FilmSize, LightSelection, Strategy};
 use direkt::stats::moments::Moments;
 
@@ -20,7 +20,7 @@ fn recorded_samples_make_the_film() {
     let context = context();
     for (name, scene) in own_scenes() {
         for strategy in KINDS_OF_STRATEGIES {
-            let prepared = Prepared::new(scene.clone(), strategy, LightSelection::Power);
+            let prepared = prepared_for(scene.clone(), strategy, LightSelection::Power);
             let recorder = Recorder::new(context, &prepared, FILM, 33).unwrap();
             let records: Vec<_> = (0..SAMPLES).map(|i| recorder.samples(i).unwrap()).collect();
             let mut session = Session::new(context, &prepared, FILM, 33).unwrap();
@@ -51,13 +51,17 @@ fn recorded_samples_make_the_film() {
 fn parts_add_up() {
     let context = context();
     for (name, scene) in own_scenes() {
-        let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Power);
+        let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Power);
         let recorder = Recorder::new(context, &prepared, FILM, 34).unwrap();
         let records = recorder.samples(u64::from(u32::MAX) + 5).unwrap();
         // Of camera rays that went on there is a hash.
         let emits = |r: &SampleRecord| {
-            let primitive = prepared.primitives.get(r.camera_primitive as usize);
-            primitive.is_none_or(|p| prepared.scene.shapes[p.shape.index()].emission.is_some())
+            let primitive = prepared.data.primitives.get(r.camera_primitive as usize);
+            primitive.is_none_or(|p| {
+                prepared.data.scene.shapes[p.shape.index()]
+                    .emission
+                    .is_some()
+            })
         };
         let mut checked = 0;
         for r in &records {

@@ -3,11 +3,11 @@
 use crate::support::every_kind::{environment_map, every_kind};
 use crate::support::random::Random;
 use crate::support::shader::{Function, call, call_in};
-use crate::support::{context, edge_points, statistics};
+use crate::support::{context, edge_points, prepared_for, statistics};
+use direkt::prepare::Prepared;
 use direkt::reference::core::rng::to_unit;
 use direkt::reference::core::sampler::{Numbers, SampleId};
 use direkt::reference::kernel::shadow_rays::{ShadowRays, grid_point};
-use direkt::render::Prepared;
 use direkt::scene::light::Interpolation;
 use direkt::scene::{LightSelection, Sampler, ShadowGrid, ShadowPattern, Strategy};
 use direkt::stats::chi2::{Totals, chi2_test};
@@ -43,14 +43,14 @@ fn prepared(
     scene.render.shadow_pattern = pattern;
     scene.render.sampler = sampler;
     scene.render.seed = 51;
-    Prepared::new(scene, Strategy::MisPower, selection)
+    prepared_for(scene, Strategy::MisPower, selection)
 }
 
 fn twin(prepared: &Prepared) -> (ShadowRays, Numbers) {
     let numbers = Numbers {
-        sampler: prepared.scene.render.sampler,
+        sampler: prepared.settings.sampler,
         pattern: prepared.patterns().pixel,
-        width: prepared.scene.film.width,
+        width: prepared.film.width,
     };
     (ShadowRays::new(prepared, numbers), numbers)
 }
@@ -231,7 +231,7 @@ fn lights_have_rays_of_their_own() {
     for pattern in [ShadowPattern::Random, ShadowPattern::Stratified] {
         for sampler in INDEPENDENT_PAIRS {
             let mut prepared = prepared(4, pattern, LightSelection::All, sampler);
-            prepared.scene.render.spp = 32;
+            prepared.settings.spp = 32;
             let (twin, _) = twin(&prepared);
             let pairs = (0..SAMPLES).flat_map(|index| {
                 (0..4).map(move |ray| {

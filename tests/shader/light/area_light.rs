@@ -5,7 +5,7 @@ use crate::support::every_kind::{constant_environment, every_kind, with_right_an
 use crate::support::random::{Random, numbers, rounded};
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call_in, words};
-use crate::support::{context, emitter, floor_pixel, render};
+use crate::support::{context, emitter, floor_pixel, prepared_for, render};
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
 use direkt::reference::core::frame::frame_from_normal;
@@ -14,7 +14,6 @@ use direkt::reference::exact::solid_angle::{cone_solid_angle, polygon_solid_angl
 use direkt::reference::light::area_light::{MIN_SOLID_ANGLE, area_light, sample_area_light};
 use direkt::reference::light::ellipsoid::{Ellipsoid, view_ellipsoid};
 use direkt::reference::scene::fetch::World;
-use direkt::render::Prepared;
 use direkt::scene::{FilmSize, Geometry, LightSampling, LightSelection, Strategy};
 use glam::{DVec2, DVec3};
 
@@ -75,7 +74,7 @@ fn solid_angle_samples_are_the_twins() {
     let context = context();
     let mut scene = with_right_angles(every_kind(constant_environment()));
     scene.render.light_sampling = LightSampling::SolidAngle;
-    let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
+    let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Uniform);
     let world = World::new(&prepared);
     let function = Function {
         imports: "import package::core::frame::frame_from_normal;
@@ -164,7 +163,7 @@ fn samples_from_within_a_sphere_are_the_twins() {
     };
     scene.shapes.push(emitter(sphere, 1.0, true));
     scene.render.light_sampling = LightSampling::SolidAngle;
-    let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
+    let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Uniform);
     let world = World::new(&prepared);
     let light = area_light(&world, 0);
     let PrimitiveGeometry::Sphere { center, radius } = light.geometry else {

@@ -3,7 +3,8 @@
 use crate::support::random::{Random, rounded};
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, call_in, words};
-use crate::support::{context, edge_points, emitter, floor_pixel};
+use crate::support::{context, edge_points, emitter, floor_pixel, prepared_for};
+use direkt::prepare::Prepared;
 use direkt::reference::core::frame::frame_from_normal;
 use direkt::reference::core::pdf::PdfDiscrete;
 use direkt::reference::light::area_light::{area_light, sample_area_light};
@@ -13,7 +14,6 @@ use direkt::reference::light::ellipsoid::{
 use direkt::reference::light::sphere::sample_sphere_area;
 use direkt::reference::scene::fetch::World;
 use direkt::reference::scene::surface::OFFSET;
-use direkt::render::Prepared;
 use direkt::scene::ellipsoid::rotation;
 use direkt::scene::{Geometry, LightSampling, LightSelection, Scene, Strategy};
 use glam::{DMat3, DVec2, DVec3};
@@ -41,7 +41,7 @@ fn lamps(sampling: LightSampling) -> Prepared {
         scene.shapes.push(emitter(ellipsoid, 1.0, true));
     }
     scene.render.light_sampling = sampling;
-    Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform)
+    prepared_for(scene, Strategy::MisPower, LightSelection::Uniform)
 }
 
 fn ellipsoid(world: &World<'_>, light: u32) -> Ellipsoid {

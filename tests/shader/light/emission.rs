@@ -3,16 +3,16 @@
 use crate::support::random::Random;
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call_in};
-use crate::support::{context, emitter, floor_pixel, statistics, unit_square};
+use crate::support::{context, emitter, floor_pixel, prepared_for, statistics, unit_square};
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::{EmissionMap, Emitter};
+use direkt::prepare::Prepared;
 use direkt::reference::BrokenTwin;
 use direkt::reference::light::emission::{
     emission_cell_margin, emission_factor, emission_map, invert_light_area, pdf_emission,
     sample_emission,
 };
 use direkt::reference::scene::fetch::World;
-use direkt::render::Prepared;
 use direkt::scene::light::Interpolation;
 use direkt::scene::{
     Geometry, LightSelection, Mesh, Scene, Strategy, Texels, Texture, TextureId, TextureUse, Wrap,
@@ -80,7 +80,7 @@ fn scene(interpolation: Interpolation) -> Scene {
 }
 
 fn prepared(interpolation: Interpolation) -> Prepared {
-    Prepared::new(
+    prepared_for(
         scene(interpolation),
         Strategy::MisPower,
         LightSelection::Power,
@@ -97,7 +97,7 @@ fn textured<'a>(world: &World<'a>, light: u32) -> (&'a EmissionMap, &'a Primitiv
     let Emitter::Area { primitive, .. } = world.prepared.emitters.lights[light as usize] else {
         unreachable!("all lights have surfaces");
     };
-    let geometry = &world.prepared.primitives[primitive as usize].geometry;
+    let geometry = &world.prepared.data.primitives[primitive as usize].geometry;
     (emission_map(world, light).unwrap(), geometry)
 }
 

@@ -2,11 +2,10 @@
 
 use crate::support::random::Random;
 use crate::support::shader::{Function, call_in, words};
-use crate::support::{context, lambert, scene};
+use crate::support::{context, lambert, prepared_for, scene};
 use direkt::effects::Effect;
 use direkt::reference::light::opacity::light_opacity;
 use direkt::reference::scene::fetch::World;
-use direkt::render::Prepared;
 use direkt::scene::light::Interpolation;
 use direkt::scene::{Emission, Geometry, LightSelection, MaterialId, Opacity, Scene, Strategy};
 use glam::{DMat3, DVec3};
@@ -84,7 +83,7 @@ fn lights() -> Scene {
 
 #[test]
 fn light_samples_find_the_twins_part() {
-    let prepared = Prepared::new(lights(), Strategy::MisPower, LightSelection::Power);
+    let prepared = prepared_for(lights(), Strategy::MisPower, LightSelection::Power);
     assert!(prepared.effects.contains(Effect::AlphaLights));
     let world = World::new(&prepared);
     let function = Function {
@@ -105,7 +104,7 @@ fn light_samples_find_the_twins_part() {
         for _ in 0..2000 {
             let (s, t) = (random.between(0.01, 0.49), random.between(0.01, 0.49));
             use direkt::accel::PrimitiveGeometry as Shape;
-            let (y, normal) = match prepared.primitives[primitive as usize].geometry {
+            let (y, normal) = match prepared.data.primitives[primitive as usize].geometry {
                 Shape::Triangle { a, u, v }
                 | Shape::Rectangle { a, u, v }
                 | Shape::Disk { a, u, v } => (a + s * u + t * v, u.cross(v).normalize()),

@@ -3,15 +3,15 @@
 use crate::support::random::Random;
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call_in};
-use crate::support::{context, floor_pixel, histogram, statistics};
+use crate::support::{context, floor_pixel, histogram, prepared_for, statistics};
 use direkt::emitters::Emitter;
+use direkt::prepare::Prepared;
 use direkt::reference::BrokenTwin;
 use direkt::reference::core::frame::{frame_from_normal, to_local};
 use direkt::reference::core::pdf::PdfDiscrete;
 use direkt::reference::light::light::sample_sun;
 use direkt::reference::light::sun::{pdf_sun, sun_margin, suns, suns_radiance};
 use direkt::reference::scene::fetch::World;
-use direkt::render::Prepared;
 use direkt::scene::{Light, LightSelection, Strategy};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -31,7 +31,7 @@ fn prepared() -> Prepared {
             angular_radius: 0.5 * f64::to_radians(degrees),
         });
     }
-    Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform)
+    prepared_for(scene, Strategy::MisPower, LightSelection::Uniform)
 }
 
 const IMPORTS: &str = "import package::core::frame::frame_from_normal;

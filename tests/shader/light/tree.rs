@@ -3,15 +3,15 @@
 use crate::support::every_kind::{constant_environment, every_kind};
 use crate::support::random::{Random, rounded};
 use crate::support::shader::{Function, call_in};
-use crate::support::{context, emitter, floor_pixel, point_light};
+use crate::support::{context, emitter, floor_pixel, point_light, prepared_for};
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::{Emitter, LightTree, Selection};
+use direkt::prepare::Prepared;
 use direkt::reference::core::pdf::PdfDiscrete;
 use direkt::reference::light::ellipsoid::Ellipsoid;
 use direkt::reference::light::tree::{
     TreeChild, TreeWalk, cosine_bound, decode_axis, decode_child, tree_importance,
 };
-use direkt::render::Prepared;
 use direkt::scene::{Geometry, Light, LightSelection, MaterialId, Mesh, Scene, Strategy};
 use glam::DVec3;
 
@@ -54,7 +54,7 @@ fn scene_of(count: u32, seed: u32) -> Scene {
 }
 
 fn prepared(scene: Scene) -> Prepared {
-    Prepared::new(scene, Strategy::MisPower, LightSelection::Tree)
+    prepared_for(scene, Strategy::MisPower, LightSelection::Tree)
 }
 
 fn tree(prepared: &Prepared) -> &LightTree {
@@ -83,7 +83,7 @@ fn places(prepared: &Prepared, count: usize, seed: u32) -> Vec<(DVec3, DVec3)> {
     let place = |i: usize| {
         let x = match lights[i % lights.len()] {
             Emitter::Area { primitive, .. } if i.is_multiple_of(2) => {
-                match prepared.primitives[primitive as usize].geometry {
+                match prepared.data.primitives[primitive as usize].geometry {
                     PrimitiveGeometry::Triangle { a, u, v }
                     | PrimitiveGeometry::Rectangle { a, u, v }
                     | PrimitiveGeometry::Disk { a, u, v } => a + 0.3 * (u + v),
@@ -91,7 +91,7 @@ fn places(prepared: &Prepared, count: usize, seed: u32) -> Vec<(DVec3, DVec3)> {
                         center + radius * random.direction()
                     }
                     PrimitiveGeometry::Ellipsoid { .. } => {
-                        let geometry = prepared.primitives[primitive as usize].geometry;
+                        let geometry = prepared.data.primitives[primitive as usize].geometry;
                         let ellipsoid = Ellipsoid::of(&geometry).unwrap();
                         ellipsoid.point(random.direction().normalize())
                     }

@@ -187,7 +187,7 @@ fn seen_normals_face_the_viewer() {
 fn textures_are_read_with_the_coordinates_of_their_set() {
     let prepared = super::prepared(crate::render::second_uvs::floor([false, true]));
     let world = World::new(&prepared);
-    let material = &prepared.scene.materials[0];
+    let material = &prepared.data.scene.materials[0];
     let function = Function {
         imports: "import package::scene::attributes::{fetch_uvs, uvs_of};
                   import package::scene::fetch::{fetch_primitive, textured_word};

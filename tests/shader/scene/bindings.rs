@@ -5,9 +5,8 @@ use super::prepared;
 use crate::support::context;
 use crate::support::every_kind::{environment_map, every_kind};
 use crate::support::shader::{Function, call_in};
-use direkt::gpu::environment::EnvironmentBuffers;
 use direkt::gpu::layout::MATERIAL_WORDS;
-use direkt::gpu::{SceneBuffers, scene_buffers};
+use direkt::gpu::{GpuScene, SceneBuffers, frame_of};
 use direkt::scene::EnvironmentRadiance;
 use direkt::scene::light::Interpolation;
 
@@ -32,14 +31,7 @@ fn the_frame_is_the_hosts() {
         ..Function::default()
     };
     let answers = call_in(context, &prepared, &function, &[], 1);
-    let scene = &prepared.scene;
-    let buffers = SceneBuffers::new(context, &prepared).unwrap();
-    let frame = scene_buffers::frame(
-        &prepared,
-        scene.film,
-        scene.render.seed,
-        buffers.environment.grid,
-    );
+    let frame = frame_of(&prepared, prepared.film, prepared.settings.seed);
     let expected: &[u32] = bytemuck::cast_slice(std::slice::from_ref(&frame));
     let found: Vec<u32> = (0..42).map(|i| answers.u32(i).next().unwrap()).collect();
     assert_eq!(found, expected[..42]);
@@ -62,13 +54,13 @@ fn buffers_have_the_hosts_lengths_and_words() {
     };
     let answers = call_in(context, &prepared, &lengths, &[], 1);
     let found: Vec<u32> = (0..8).map(|i| answers.u32(i).next().unwrap()).collect();
-    let node_words: &[[u32; 4]] = bytemuck::cast_slice(&prepared.bvh.nodes);
+    let node_words: &[[u32; 4]] = bytemuck::cast_slice(&prepared.data.bvh.nodes);
     let selection = prepared.emitters.selection.as_ref().unwrap();
     let selection = selection.table().unwrap();
     let expected = [
         node_words.len(),
-        3 * prepared.primitives.len(),
-        MATERIAL_WORDS as usize * prepared.scene.materials.len(),
+        3 * prepared.data.primitives.len(),
+        MATERIAL_WORDS as usize * prepared.data.scene.materials.len(),
         4 * prepared.emitters.lights.len(),
         selection.entries.len(),
         31 * 17,
@@ -119,7 +111,7 @@ fn texels_are_the_maps() {
         ..Function::default()
     };
     let answers = call_in(context, &prepared, &function, &[], 31 * 17);
-    let EnvironmentRadiance::Map(map) = &prepared.scene.environment.as_ref().unwrap().radiance
+    let EnvironmentRadiance::Map(map) = &prepared.data.scene.environment.as_ref().unwrap().radiance
     else {
         unreachable!("the environment is a map");
     };
@@ -138,22 +130,21 @@ fn buffers_are_as_large_as_is_told() {
     ] {
         let prepared = prepared(every_kind(environment));
         let SceneBuffers {
-            nodes,
-            primitives,
+            scene,
             materials,
             lights,
             light_choice,
-            environment,
-            attributes,
-            textures,
+            environment_alias,
             emission_cells,
         } = SceneBuffers::new(context, &prepared).unwrap();
-        let EnvironmentBuffers {
-            alias,
-            texels,
-            grid: _,
-        } = environment;
-        let size = texels.texture().size();
+        let GpuScene {
+            nodes,
+            primitives,
+            attributes,
+            textures,
+            environment,
+        } = &*scene;
+        let size = environment.texture().size();
         for array in [&textures.colors, &textures.data] {
             assert_eq!(array.view.texture().size().width, 1, "no texture");
         }
@@ -167,7 +158,7 @@ fn buffers_are_as_large_as_is_told() {
             ("scene.color_textures", 4),
             ("scene.data_textures", 4),
             ("scene.emission_cells", emission_cells.bytes()),
-            ("scene.environment_alias", alias.bytes()),
+            ("scene.environment_alias", environment_alias.bytes()),
             (
                 "scene.environment",
                 u64::from(size.width * size.height) * 16,

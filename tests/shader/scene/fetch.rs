@@ -12,8 +12,8 @@ use direkt::gpu::layout::{
     LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
     NONE, THIN_BIT,
 };
+use direkt::prepare::Prepared;
 use direkt::reference::scene::fetch::World;
-use direkt::render::Prepared;
 use direkt::scene::Light;
 use direkt::scene::material::Fresnel;
 use glam::DVec3;
@@ -44,7 +44,7 @@ fn primitives_come_back() {
     for (i, (p, source)) in world
         .primitives
         .iter()
-        .zip(&prepared.primitives)
+        .zip(&prepared.data.primitives)
         .enumerate()
     {
         let (kind, a, b, c) = match p.geometry {
@@ -86,7 +86,7 @@ fn materials_come_back() {
                 out_vec3f(0u, m.diffuse); out_vec3f(3u, m.f0); out_f32(6u, m.alpha); out_f32(7u, m.f90);
                 out_vec3f(8u, m.k); out_u32(11u, m.bits); out_vec3f(12u, m.transmittance); out_f32(15u, m.ior);
                 out_vec3f(16u, m.average);";
-    let materials = &prepared.scene.materials;
+    let materials = &prepared.data.scene.materials;
     let function = Function {
         imports: "import package::scene::fetch::fetch_material;",
         body,
@@ -196,7 +196,7 @@ fn lights_come_back() {
                 two_sided,
                 map: _,
             } => {
-                let geometry = prepared.primitives[primitive as usize].geometry;
+                let geometry = prepared.data.primitives[primitive as usize].geometry;
                 let (kind, [a, u, v]) = match geometry {
                     PrimitiveGeometry::Triangle { a, u, v } => (LIGHT_TRIANGLE, [a, u, v]),
                     PrimitiveGeometry::Rectangle { a, u, v } => (LIGHT_RECTANGLE, [a, u, v]),

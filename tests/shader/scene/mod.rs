@@ -9,12 +9,13 @@ mod texture;
 mod trace;
 
 use crate::support::every_kind::{constant_environment, every_kind};
-use direkt::render::Prepared;
+use crate::support::prepared_for;
+use direkt::prepare::Prepared;
 use direkt::scene::{LightSelection, Scene, Strategy};
 
 /// `scene` with everything compiled in that it calls for.
 fn prepared(scene: Scene) -> Prepared {
-    Prepared::new(scene, Strategy::MisPower, LightSelection::Power)
+    prepared_for(scene, Strategy::MisPower, LightSelection::Power)
 }
 
 /// Every kind of primitive, material and light.

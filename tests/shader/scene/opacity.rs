@@ -7,6 +7,7 @@ use crate::support::shader::{Function, call, call_in, words};
 use crate::support::statistics::{accept, reject};
 use crate::support::{context, scene, shape};
 use direkt::gpu::layout::NONE;
+use direkt::prepare::Prepared;
 use direkt::reference::Twin;
 use direkt::reference::core::ray::{Hit, Ray};
 use direkt::reference::core::sampler::SampleId;
@@ -15,7 +16,6 @@ use direkt::reference::scene::opacity::{
     CROSSING_FIRST, CROSSING_SECOND, Crossings, RAY_BSDF, RAY_CAMERA, RAY_SHADOW, opacity_at,
 };
 use direkt::reference::scene::trace::{any_hit, closest_hit, stop_at_primitive};
-use direkt::render::Prepared;
 use direkt::scene::{Geometry, Mesh};
 use direkt::stats::z_test::z_test;
 use glam::{DVec2, DVec3, Vec4};
@@ -274,7 +274,7 @@ fn brute_force(world: &World<'_>, ray: &Ray, crossings: Crossings) -> Option<Hit
 
 /// Camera rays, and rays from anywhere inside.
 fn rays(twin: &Twin<'_>, count: u32) -> Vec<Ray> {
-    let film = twin.direct().world().prepared.scene.film;
+    let film = twin.direct().world().prepared.film;
     let mut random = Random::new(72);
     let mut ray = |i: u32| {
         if i.is_multiple_of(2) {
@@ -302,7 +302,7 @@ fn rays(twin: &Twin<'_>, count: u32) -> Vec<Ray> {
 fn rays_are_stopped_alike_in_any_order() {
     let context = context();
     let prepared = leaves();
-    let twin = Twin::new(&prepared, prepared.scene.film, 21, None);
+    let twin = Twin::new(&prepared, prepared.film, 21, None);
     let world = twin.direct().world();
     let rays = rays(&twin, 40_000);
     let function = Function {

@@ -262,12 +262,12 @@ fn vertex_colours_are_factors_on_materials() {
         outputs: 10,
         features: &[],
     };
-    let colored = (0..).zip(&prepared.primitives);
+    let colored = (0..).zip(&prepared.data.primitives);
     let colored = colored.filter(|(_, p)| p.shape.index() >= first);
     let views: Vec<View> = colored
         .flat_map(|(i, p)| (0..50).map(move |k| view(&p.geometry, i, k)))
         .collect();
-    assert_eq!(views.len(), 50 * prepared.scene.materials.len());
+    assert_eq!(views.len(), 50 * prepared.data.scene.materials.len());
     let mut inputs = Vec::new();
     for View { ray, hit, wo, .. } in &views {
         inputs.extend(words(
@@ -305,7 +305,7 @@ fn vertex_colours_are_factors_on_materials() {
         assert!(off.abs() < 8.0 * U, "{what}: {off:e}");
     }
     // All but the metal that is given by its index.
-    assert_eq!(varied, 50 * (prepared.scene.materials.len() - 1));
+    assert_eq!(varied, 50 * (prepared.data.scene.materials.len() - 1));
 }
 
 /// Views alternate between front and back.

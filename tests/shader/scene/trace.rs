@@ -25,7 +25,7 @@ const FLIPS: f64 = 1e-4;
 
 /// A third camera rays, the others from anywhere to anywhere; directions of lengths from ½ to 2.
 fn rays(twin: &Twin<'_>) -> Vec<(Ray, f64)> {
-    let film = twin.direct().world().prepared.scene.film;
+    let film = twin.direct().world().prepared.film;
     let ray = |i: u32| {
         let [a, b, c, length] = numbers(i, 1, 20);
         let [u, v, limit, _] = numbers(i, 2, 20);
@@ -82,7 +82,7 @@ fn t_bound(world: &World<'_>, ray: &Ray, hit: &Hit) -> f64 {
 fn check_scene(name: &str) {
     let context = context();
     let prepared = prepared(scene(&format!("scenes/{name}")));
-    let twin = Twin::new(&prepared, prepared.scene.film, 21, None);
+    let twin = Twin::new(&prepared, prepared.film, 21, None);
     let world = twin.direct().world();
     let rays = rays(&twin);
     let function = Function {
@@ -177,8 +177,8 @@ fn rays_that_meet_a_light_enter_its_box() {
         .into_iter()
         .chain([every_kind(constant_environment())]);
     for prepared in scenes.map(prepared) {
-        let name = prepared.scene.source.display().to_string();
-        let twin = Twin::new(&prepared, prepared.scene.film, 23, None);
+        let name = prepared.data.scene.source.display().to_string();
+        let twin = Twin::new(&prepared, prepared.film, 23, None);
         let world = twin.direct().world();
         let rays = rays(&twin);
         let function = Function {

@@ -3,10 +3,11 @@
 use super::{DRAWN, directions, facing_z, prepared, receivers};
 use crate::support::every_kind::{constant_environment, every_kind, with_right_angles};
 use crate::support::random::rounded;
-use crate::support::{context, emitter, floor_pixel, histogram, statistics};
+use crate::support::{context, emitter, floor_pixel, histogram, prepared_for, statistics};
 use direkt::accel::PrimitiveGeometry;
 use direkt::accel::octahedral::octahedral;
 use direkt::emitters::Emitter;
+use direkt::prepare::Prepared;
 use direkt::reference::BrokenTwin;
 use direkt::reference::broken::BROKEN_TWINS;
 use direkt::reference::core::frame::{frame_from_normal, to_local};
@@ -17,7 +18,6 @@ use direkt::reference::core::ray_sphere::intersect_sphere;
 use direkt::reference::light::area_light::pdf_area_light;
 use direkt::reference::light::ellipsoid::{Ellipsoid, view_ellipsoid};
 use direkt::reference::scene::fetch::World;
-use direkt::render::Prepared;
 use direkt::scene::ellipsoid::rotation;
 use direkt::scene::{Geometry, LightSampling, LightSelection, Strategy};
 use glam::{DMat3, DVec2, DVec3};
@@ -171,7 +171,7 @@ fn directions_towards_area_lights_match_pdf() {
 fn directions_over_solid_angles_match_pdf() {
     let mut scene = with_right_angles(every_kind(constant_environment()));
     scene.render.light_sampling = LightSampling::SolidAngle;
-    let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
+    let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Uniform);
     let tested = directions_match_pdf(&prepared, two_receivers);
     assert_eq!(tested, 14, "five kinds, two of them in two ways");
 }
@@ -188,12 +188,12 @@ fn directions_towards_near_ellipsoids_match_pdf() {
         scene.shapes.push(emitter(geometry, 1.0, false));
     }
     scene.render.light_sampling = LightSampling::SolidAngle;
-    let prepared = Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform);
+    let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Uniform);
     let near = |prepared: &Prepared, light: &Emitter| {
         let Emitter::Area { primitive, .. } = *light else {
             return Vec::new();
         };
-        let e = Ellipsoid::of(&prepared.primitives[primitive as usize].geometry).unwrap();
+        let e = Ellipsoid::of(&prepared.data.primitives[primitive as usize].geometry).unwrap();
         let p = DVec3::new(0.4, -0.3, -0.87).normalize();
         let x = rounded(e.point(p) + 0.3 * e.longest * ellipsoid_normal(e.axes, p));
         assert!(!view_ellipsoid(e, x).narrow);
@@ -214,14 +214,14 @@ fn directions_match_pdf(
     receivers: impl Fn(&Prepared, &Emitter) -> Vec<DVec3>,
 ) -> usize {
     let context = context();
-    let sampling = prepared.scene.render.light_sampling;
+    let sampling = prepared.settings.light_sampling;
     let world = World::new(prepared);
     let mut tested = 0;
     for (index, light) in (0_u32..).zip(&prepared.emitters.lights) {
         let Emitter::Area { primitive, .. } = *light else {
             continue;
         };
-        let geometry = &prepared.primitives[primitive as usize].geometry;
+        let geometry = &prepared.data.primitives[primitive as usize].geometry;
         for (k, x) in (0..).zip(receivers(prepared, light)) {
             tested += 1;
             let seed = 50 + 4 * index + k;

@@ -3,12 +3,12 @@
 use super::IMPORTS;
 use crate::support::every_kind::{constant_environment, every_kind};
 use crate::support::shader::{Function, call_in};
-use crate::support::{context, floor_pixel, point_light, statistics};
+use crate::support::{context, floor_pixel, point_light, prepared_for, statistics};
+use direkt::prepare::Prepared;
 use direkt::reference::BrokenTwin;
 use direkt::reference::broken::BROKEN_TWINS;
 use direkt::reference::light::light::{choose_light, own_samples};
 use direkt::reference::scene::fetch::World;
-use direkt::render::Prepared;
 use direkt::scene::{LightSelection, Strategy};
 use direkt::stats::chi2::{Totals, chi2_test};
 use glam::DVec3;
@@ -27,7 +27,7 @@ fn choices() -> Vec<(String, Prepared)> {
     let mut out = Vec::new();
     for (name, scene) in scenes {
         for selection in [LightSelection::Uniform, LightSelection::Power] {
-            let prepared = Prepared::new(scene.clone(), Strategy::MisPower, selection);
+            let prepared = prepared_for(scene.clone(), Strategy::MisPower, selection);
             out.push((format!("{name}, {selection}"), prepared));
         }
     }
@@ -82,7 +82,7 @@ fn several_rays_multiply_the_density() {
         for strategy in [Strategy::MisPower, Strategy::Bsdf] {
             let mut scene = every_kind(constant_environment());
             scene.render.shadow_rays = 3;
-            let prepared = Prepared::new(scene, strategy, selection);
+            let prepared = prepared_for(scene, strategy, selection);
             assert_eq!(prepared.emitters.lights.len(), count);
             let world = World::new(&prepared);
             let function = Function {

@@ -36,7 +36,7 @@ fn directions_towards_the_environment_match_pdf() {
             .position(|l| *l == Emitter::Environment)
             .unwrap();
         let wis = directions(context, &prepared, index as u32, DVec3::ZERO, seed);
-        let rotation = prepared.scene.environment.as_ref().unwrap().rotation;
+        let rotation = prepared.data.scene.environment.as_ref().unwrap().rotation;
         // In coordinates of the image, whose texels are the cells here: (31, 17).
         let samples: Vec<DVec2> = wis
             .iter()

@@ -1,19 +1,19 @@
 //! `shaders/light/light.wesl`: light sampling from points around every kind of light.
 
-use crate::support::context;
 use crate::support::every_kind::{constant_environment, every_kind};
 use crate::support::random::rounded;
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in};
+use crate::support::{context, prepared_for};
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
 use direkt::gpu::Context;
+use direkt::prepare::Prepared;
 use direkt::reference::core::frame::{ShadingFrame, frame_from_normal};
 use direkt::reference::light::area_light::LightSample;
 use direkt::reference::light::environment::map_from_direction;
 use direkt::reference::light::light::emitted_radiance;
 use direkt::reference::scene::fetch::World;
-use direkt::render::Prepared;
 use direkt::scene::{
     Environment, EnvironmentRadiance, Light, LightSampling, LightSelection, Strategy,
 };
@@ -40,7 +40,7 @@ const IMPORTS: &str = "import package::core::frame::frame_from_normal;
 fn prepared(environment: Environment, sampling: LightSampling) -> Prepared {
     let mut scene = every_kind(environment);
     scene.render.light_sampling = sampling;
-    Prepared::new(scene, Strategy::MisPower, LightSelection::Uniform)
+    prepared_for(scene, Strategy::MisPower, LightSelection::Uniform)
 }
 
 /// The frame of a surface that faces +z: samples by area and by solid angle do not depend on it.
@@ -51,19 +51,21 @@ fn facing_z() -> ShadingFrame {
 /// Centre, a vector along the front's normal (any, for what has none), and size.
 fn place(prepared: &Prepared, light: &Emitter) -> (DVec3, DVec3, f64) {
     match *light {
-        Emitter::Area { primitive, .. } => match prepared.primitives[primitive as usize].geometry {
-            PrimitiveGeometry::Rectangle { a, u, v } => {
-                (a + 0.5 * (u + v), u.cross(v).normalize(), u.length())
+        Emitter::Area { primitive, .. } => {
+            match prepared.data.primitives[primitive as usize].geometry {
+                PrimitiveGeometry::Rectangle { a, u, v } => {
+                    (a + 0.5 * (u + v), u.cross(v).normalize(), u.length())
+                }
+                PrimitiveGeometry::Triangle { a, u, v } => {
+                    (a + (u + v) / 3.0, u.cross(v).normalize(), u.length())
+                }
+                PrimitiveGeometry::Disk { a, u, v } => (a, u.cross(v).normalize(), u.length()),
+                PrimitiveGeometry::Sphere { center, radius } => (center, -DVec3::Z, radius),
+                PrimitiveGeometry::Ellipsoid { center, radii, .. } => {
+                    (center, -DVec3::Z, radii.max_element())
+                }
             }
-            PrimitiveGeometry::Triangle { a, u, v } => {
-                (a + (u + v) / 3.0, u.cross(v).normalize(), u.length())
-            }
-            PrimitiveGeometry::Disk { a, u, v } => (a, u.cross(v).normalize(), u.length()),
-            PrimitiveGeometry::Sphere { center, radius } => (center, -DVec3::Z, radius),
-            PrimitiveGeometry::Ellipsoid { center, radii, .. } => {
-                (center, -DVec3::Z, radii.max_element())
-            }
-        },
+        }
         Emitter::Delta(Light::Point { position, .. }) => (position, -DVec3::Z, 0.2),
         Emitter::Delta(Light::Spot {
             position,
@@ -92,7 +94,9 @@ fn receivers(prepared: &Prepared, light: &Emitter) -> Vec<DVec3> {
 fn errors(prepared: &Prepared, light: &Emitter, x: DVec3, s: &LightSample) -> (f64, f64) {
     let d = (s.target_point - x).length();
     let (size, normal) = match *light {
-        Emitter::Area { primitive, .. } => match prepared.primitives[primitive as usize].geometry {
+        Emitter::Area { primitive, .. } => match prepared.data.primitives[primitive as usize]
+            .geometry
+        {
             PrimitiveGeometry::Triangle { a, u, v }
             | PrimitiveGeometry::Rectangle { a, u, v }
             | PrimitiveGeometry::Disk { a, u, v } => {
@@ -111,6 +115,7 @@ fn errors(prepared: &Prepared, light: &Emitter, x: DVec3, s: &LightSample) -> (f
         // Near the poles r = √((1 − y)(1 + y)) amplifies the rounding of y, to q = 8 roundings of 1 − y².
         Emitter::Environment => {
             let to_map = prepared
+                .data
                 .scene
                 .environment
                 .as_ref()
@@ -132,7 +137,7 @@ fn errors(prepared: &Prepared, light: &Emitter, x: DVec3, s: &LightSample) -> (f
 
 /// How much an interpolated map changes over `angle` around `direction`; 0 without a map.
 fn texel_error(world: &World<'_>, direction: DVec3, angle: f64) -> f64 {
-    let environment = world.prepared.scene.environment.as_ref().unwrap();
+    let environment = world.prepared.data.scene.environment.as_ref().unwrap();
     let EnvironmentRadiance::Map(map) = &environment.radiance else {
         return 0.0;
     };

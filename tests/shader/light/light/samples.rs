@@ -9,12 +9,12 @@ use crate::support::{context, edge_points};
 use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
 use direkt::gpu::Context;
+use direkt::prepare::Prepared;
 use direkt::reference::core::pdf::PdfDiscrete;
 use direkt::reference::light::alias_table::Choice;
 use direkt::reference::light::ellipsoid::Ellipsoid;
 use direkt::reference::light::light::{environment_cell_margin, sample_chosen_light};
 use direkt::reference::scene::fetch::World;
-use direkt::render::Prepared;
 use direkt::scene::light::Interpolation;
 use direkt::scene::{Light, LightSampling};
 use glam::{DVec2, DVec3};
@@ -250,7 +250,7 @@ fn claimed_densities_are_the_evaluated_ones() {
         // d/(r cosθ) times as much.
         let at_horizon = match light {
             Emitter::Area { primitive, .. } => {
-                let geometry = &prepared.primitives[*primitive as usize].geometry;
+                let geometry = &prepared.data.primitives[*primitive as usize].geometry;
                 let radius = match geometry {
                     PrimitiveGeometry::Sphere { radius, .. } => Some(*radius),
                     _ => Ellipsoid::of(geometry).map(|e| e.curvature_radius(s.target_point)),

@@ -4,7 +4,7 @@
 //! and at a million the image is lost. The rays of such a camera begin on a plane across its view, before all that it sees;
 //! where on the plane is computed from the film, not from directions.
 
-use super::prepare::Prepared;
+use super::Prepared;
 use crate::accel::Primitive;
 use crate::scene::normalize::Normalization;
 use crate::scene::{Camera, FilmSize};
@@ -21,12 +21,12 @@ impl Prepared {
     /// Distance from the eye, along the viewing direction, of the plane on which camera rays begin, normalised space; 0 where
     /// that is the eye's.
     pub fn near_plane(&self) -> f64 {
-        let camera = self.normalization.camera(&self.scene.camera);
-        if !is_distant(&self.normalization, &self.scene.camera) {
+        let camera = self.data.normalization.camera(&self.camera);
+        if !is_distant(&self.data.normalization, &self.camera) {
             return 0.0;
         }
-        let view = Frustum::new(camera, self.scene.film);
-        let depths = self.primitives.iter().filter_map(|p| view.depth(p));
+        let view = Frustum::new(camera, self.film);
+        let depths = self.data.primitives.iter().filter_map(|p| view.depth(p));
         let depth = depths.fold(f64::INFINITY, f64::min);
         if depth.is_finite() {
             (depth * (1.0 - MARGIN)).max(0.0)

@@ -1,74 +1,83 @@
-//! From a scene to everything that the GPU needs.
+//! From a scene to everything that the GPU and the reference need: what depends on the scene alone ([`SceneData`]), and what
+//! depends on the estimator as well ([`Prepared`]).
 
-use crate::accel::parts::Split;
-use crate::accel::{self, Attributes, Bvh, Primitive};
-use crate::effects::{self, Effect, Effects};
+pub mod near_plane;
+mod scene_data;
+
+pub use scene_data::SceneData;
+
+use crate::accel;
+use crate::effects::{Effect, EffectQuery, Effects};
 use crate::emitters::Emitters;
-use crate::scene::enlarge::enlarge;
-use crate::scene::normalize::Normalization;
-use crate::scene::refine::refine;
-use crate::scene::{LightSelection, Sampler, Scene, ShadowGrid, ShadowPattern, Strategy};
+use crate::scene::{Camera, FilmSize, RenderSettings, Sampler, Scene, ShadowGrid, ShadowPattern};
+use std::sync::Arc;
 
-/// A scene made ready: normalised, with its acceleration structure, lights and effects.
-#[derive(Debug)]
+/// A scene made ready for one estimator: its lights, how they are chosen, and the effects that are compiled in.
+#[derive(Debug, Clone)]
 pub struct Prepared {
-    /// The scene, world space.
-    pub scene: Scene,
-    /// From world space to the space of everything below.
-    pub normalization: Normalization,
-    /// Primitives in leaf order.
-    pub primitives: Vec<Primitive>,
-    /// Their vertex normals and texture coordinates.
-    pub attributes: Attributes,
-    /// The hierarchy over them.
-    pub bvh: Bvh,
+    /// What other estimators share.
+    pub data: Arc<SceneData>,
+    /// The camera, world space.
+    pub camera: Camera,
+    /// Size of the image.
+    pub film: FilmSize,
+    /// The estimator and all else that the table `[render]` holds.
+    pub settings: RenderSettings,
     /// The lights and how they are chosen.
     pub emitters: Emitters,
     /// Boxes around the primitives that emit; see [`accel::light_boxes`](crate::accel::light_boxes()).
     pub light_boxes: Vec<[u32; 3]>,
-    /// How nodes, primitives and attributes are split, where one of them is too long for a binding.
-    pub split: Option<Split>,
     /// What is compiled in, and why.
     pub effects: Effects,
-    /// Seconds that building the hierarchy took.
-    pub accel_seconds: f64,
 }
 
 impl Prepared {
-    /// Makes `scene` ready for `strategy` with lights chosen by `selection`.
-    pub fn new(mut scene: Scene, strategy: Strategy, selection: LightSelection) -> Self {
-        let start = std::time::Instant::now();
-        let normalization = Normalization::of(&scene);
-        let extreme = normalization.is_extreme();
-        enlarge(&mut scene, &normalization);
-        if extreme {
-            refine(&mut scene, &normalization);
-        }
-        let mut primitives = accel::primitives(&scene, &normalization);
-        let bvh = if extreme {
-            accel::build_extreme(&mut primitives, &normalization)
-        } else {
-            accel::build(&mut primitives)
-        };
-        let accel_seconds = start.elapsed().as_secs_f64();
-        let attributes = Attributes::new(&scene, &primitives);
-        let emitters = Emitters::new(&scene, &normalization, &primitives, strategy, selection);
-        let emitting = emitters.primitives();
-        let emitting = emitting.map(|index| primitives[index as usize].geometry.bounds());
-        let split = Split::of(bvh.nodes.len(), primitives.len(), attributes.words.len());
-        let light_boxes = accel::light_boxes(&bvh, emitting.collect());
-        let effects = effects::called_for(&scene, &primitives, &attributes, &emitters, strategy);
-        let mut prepared = Self {
+    /// Makes `scene` ready for its own settings.
+    pub fn of(scene: Scene) -> Self {
+        let settings = scene.render;
+        Self::new(&Arc::new(SceneData::new(scene)), settings)
+    }
+
+    /// Makes `data` ready for `settings`, with the camera and the size of its scene.
+    pub fn new(data: &Arc<SceneData>, settings: RenderSettings) -> Self {
+        Self::seen_by(data, (data.scene.camera, data.scene.film), settings)
+    }
+
+    /// Makes `data` ready for `settings` and an image that `camera` takes. The scene has to be normalised as that camera
+    /// calls for.
+    pub fn seen_by(
+        data: &Arc<SceneData>,
+        (camera, film): (Camera, FilmSize),
+        settings: RenderSettings,
+    ) -> Self {
+        let SceneData {
             scene,
             normalization,
             primitives,
             attributes,
             bvh,
+            ..
+        } = &**data;
+        let emitters = Emitters::new(scene, normalization, primitives, &settings);
+        let emitting = emitters.primitives();
+        let emitting = emitting.map(|index| primitives[index as usize].geometry.bounds());
+        let light_boxes = accel::light_boxes(bvh, emitting.collect());
+        let effects = Effects::called_for(&EffectQuery {
+            scene,
+            camera: &camera,
+            settings: &settings,
+            primitives,
+            attributes,
+            emitters: &emitters,
+        });
+        let mut prepared = Self {
+            data: Arc::clone(data),
+            camera,
+            film,
+            settings,
             emitters,
             light_boxes,
-            split,
             effects,
-            accel_seconds,
         };
         prepared.call_for_scale();
         prepared
@@ -76,8 +85,8 @@ impl Prepared {
 
     /// Adds the effects that the scale of the scene calls for.
     fn call_for_scale(&mut self) {
-        let (near_plane, normalization) = (self.near_plane(), self.normalization);
-        if self.bvh.grid.logarithmic {
+        let (near_plane, normalization) = (self.near_plane(), self.data.normalization);
+        if self.data.bvh.grid.logarithmic {
             self.effects.call_for(Effect::LogarithmicGrid, || {
                 let ratio = normalization.reach / normalization.radius;
                 format!("the scene is {ratio:.1e} times as large as what is in view")
@@ -91,21 +100,16 @@ impl Prepared {
         }
     }
 
-    /// Entries of the traversal's stack, in steps of four so that few kernels differ by it alone.
-    pub fn stack_depth(&self) -> u32 {
-        (self.bvh.depth.max(1) as u32).next_multiple_of(4)
-    }
-
     /// What the sampler's patterns are made for.
     pub fn patterns(&self) -> Patterns {
-        let settings = self.scene.render;
+        let settings = self.settings;
         Patterns::new(settings.sampler, settings.spp, self.shadow_rays())
     }
 
     /// Shadow rays per camera ray, with light selection `all` per light: 1 where a second would be the same.
     pub fn shadow_rays(&self) -> u32 {
         if self.effects.contains(Effect::ShadowRays) {
-            self.scene.render.shadow_rays
+            self.settings.shadow_rays
         } else {
             1
         }
@@ -143,7 +147,7 @@ impl Prepared {
     pub fn bias(&self) -> Option<String> {
         let fixed = [ShadowPattern::Center, ShadowPattern::Grid];
         fixed.contains(&self.shadow_pattern()).then(|| {
-            let pattern = self.scene.render.shadow_pattern;
+            let pattern = self.settings.shadow_pattern;
             format!(
                 "shadow_pattern = \"{pattern}\": shadow rays end at the same points of the lights in all samples, so that the image \
                  converges to a quadrature, not to direct lighting"
