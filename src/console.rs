@@ -9,13 +9,13 @@ use std::sync::OnceLock;
 static STDOUT_FAILURE: OnceLock<Error> = OnceLock::new();
 
 /// Writes `line` to stderr.
-pub(crate) fn say(line: impl Display) {
+pub fn say(line: impl Display) {
     // In one piece, so that the lines of several threads do not mix. There is nowhere to report a failure.
     let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
 }
 
 /// Writes `text` to stdout. A reader that went away is no failure; any other is kept for [`stdout_failure`].
-pub(crate) fn print(text: &str) {
+pub fn print(text: &str) {
     if let Err(error) = write_stdout(text.as_bytes()) {
         // The first one is kept.
         let _ = STDOUT_FAILURE.set(error);
@@ -26,7 +26,7 @@ pub(crate) fn print(text: &str) {
 ///
 /// # Errors
 /// It cannot be written, but not because its reader went away.
-pub(crate) fn write_stdout(bytes: &[u8]) -> Result<(), Error> {
+pub fn write_stdout(bytes: &[u8]) -> Result<(), Error> {
     let mut stdout = std::io::stdout().lock();
     let written = stdout.write_all(bytes);
     match written.and_then(|()| stdout.flush()) {
@@ -36,6 +36,6 @@ pub(crate) fn write_stdout(bytes: &[u8]) -> Result<(), Error> {
 }
 
 /// Why text of [`print`] was lost, if any was.
-pub(crate) fn stdout_failure() -> Option<&'static Error> {
+pub fn stdout_failure() -> Option<&'static Error> {
     STDOUT_FAILURE.get()
 }

@@ -3,8 +3,11 @@
 //! The policy: an [`Error`] is about input or the machine and names what would be right; a broken
 //! invariant of direkt itself is an `assert!` with a message.
 
-use crate::gpu::shader::SHADERS_VARIABLE;
 use std::path::{Path, PathBuf};
+
+/// The environment variable that names a folder from which shaders are read instead of those in the binary; what is wrong
+/// with them is then the user's to mend.
+pub const SHADERS_VARIABLE: &str = "DIREKT_SHADERS";
 
 /// Everything a direkt command can fail with.
 #[derive(Debug, thiserror::Error)]
@@ -110,7 +113,7 @@ impl std::fmt::Display for InputError {
 
 /// `text`, which may quote a stranger's file, fit for a terminal: control characters are escaped, numbers of many digits are written
 /// with a power of ten, and of what is long the middle is left out.
-pub(crate) fn readable(text: &str) -> String {
+pub fn readable(text: &str) -> String {
     const MAX_CHARS: usize = 400;
     let mut plain = String::with_capacity(text.len());
     for c in with_powers_of_ten(text).chars() {
@@ -130,7 +133,7 @@ pub(crate) fn readable(text: &str) -> String {
 }
 
 /// `x` as people write it.
-pub(crate) fn number(x: f64) -> String {
+pub fn number(x: f64) -> String {
     with_powers_of_ten(&x.to_string())
 }
 

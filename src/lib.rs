@@ -98,25 +98,16 @@
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod accel;
-pub mod cli;
-pub mod compare;
-mod console;
-pub mod cost;
-pub mod drawing;
+pub mod console;
 pub mod effects;
 pub mod emitters;
 pub mod error;
-pub mod explain;
 mod golden;
 pub mod gpu;
 pub mod image;
-pub mod lab;
 pub mod output;
 pub mod prepare;
 pub mod reference;
 pub mod render;
-pub mod report;
 pub mod scene;
 pub mod stats;
-#[cfg(feature = "window")]
-pub mod window;

@@ -14,13 +14,15 @@ mod outputs;
 mod rough;
 mod shadow_rays;
 
-use assert_cmd::Command;
 use serde_json::Value;
 use std::path::Path;
+use std::process::Command;
 
+/// The command in the project's folder, on the driver as its users have it (`./lavapipe` narrows its vectors for tests).
 fn direkt() -> Command {
-    let mut command = Command::cargo_bin("direkt").unwrap();
-    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_direkt"));
+    command.current_dir(crate::support::PROJECT);
+    command.env_remove("LP_NATIVE_VECTOR_WIDTH");
     command
 }
 
@@ -278,10 +280,7 @@ impl Drop for Child {
 #[cfg(unix)]
 fn interrupt(child: &Child) {
     let command = format!("kill -INT {}", child.0.id());
-    let sent = std::process::Command::new("sh")
-        .args(["-c", &command])
-        .status()
-        .unwrap();
+    let sent = Command::new("sh").args(["-c", &command]).status().unwrap();
     assert!(sent.success());
 }
 
@@ -293,7 +292,7 @@ fn an_interrupt_writes_the_image_so_far() {
     let folder = tempfile::tempdir().unwrap();
     let [png, json] = ["a.png", "a.json"].map(|n| folder.path().join(n));
     let mut child = Child(
-        std::process::Command::new(assert_cmd::cargo::cargo_bin("direkt"))
+        Command::new(env!("CARGO_BIN_EXE_direkt"))
             .args([
                 "render",
                 "scenes/cornell.toml",
@@ -303,7 +302,7 @@ fn an_interrupt_writes_the_image_so_far() {
                 "600",
             ])
             .args(["-o", text(&png), "--json", text(&json)])
-            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .current_dir(crate::support::PROJECT)
             .stderr(std::process::Stdio::piped())
             .spawn()
             .unwrap(),

@@ -1,11 +1,11 @@
 //! `cost::measure` when it is asked to stop.
 
 use crate::support::{context, scene};
-use direkt::cost::estimator::{Choices, combinations};
-use direkt::cost::{SceneCost, Settings, measure};
-use direkt::report::machine::Machine;
-use direkt::report::write;
 use direkt::scene::{FilmSize, RenderSettings, Sampler, Strategy};
+use direkt_instruments::cost::estimator::{Choices, combinations};
+use direkt_instruments::cost::{SceneCost, Settings, measure};
+use direkt_instruments::report::machine::Machine;
+use direkt_instruments::report::write;
 use std::cell::Cell;
 
 /// The cost of estimators, stopped as soon as the progress says `at`.

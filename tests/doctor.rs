@@ -107,7 +107,7 @@ fn no_shader_needs_subgroups() {
                 source: wgpu::ShaderSource::Wgsl(asking.into()),
             })
     });
-    let shaders = include_dir::include_dir!("$CARGO_MANIFEST_DIR/shaders");
+    let shaders = include_dir::include_dir!("$CARGO_MANIFEST_DIR/../../shaders");
     let asks = |file: &include_dir::File<'_>| {
         let text = file.contents_utf8().unwrap();
         text.contains("subgroup")

@@ -3,8 +3,8 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, family};
-use direkt::lab::importance::ROWS;
-use direkt::lab::{Experiment, Settings, run};
+use direkt_instruments::lab::importance::ROWS;
+use direkt_instruments::lab::{Experiment, Settings, run};
 
 #[test]
 fn every_experiment_reproduces_its_exact_values() {

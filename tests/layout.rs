@@ -4,7 +4,7 @@ use direkt::gpu::layout::{
     self, Dispatch, FeatureSums, Frame, PixelState, SampleRecord, SurfaceRecord,
 };
 use direkt::gpu::shader::{Config, link_with};
-use direkt::lab::layout::{LabBlock, LabRun};
+use direkt_instruments::lab::layout::{LabBlock, LabRun};
 use std::mem::offset_of;
 
 /// A module that keeps all shared structs and constants alive.

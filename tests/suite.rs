@@ -14,6 +14,7 @@ mod cost;
 mod doctor;
 mod hard_cases;
 mod lab;
+mod layers;
 mod layout;
 mod permutations;
 mod render;

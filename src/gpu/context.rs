@@ -289,7 +289,7 @@ fn locked(troubles: &Mutex<Troubles>) -> std::sync::MutexGuard<'_, Troubles> {
 }
 
 /// Whether `wanted` is a part of the adapter's name or driver, in any case.
-pub(crate) fn matches(adapter: &wgpu::Adapter, wanted: &str) -> bool {
+pub fn matches(adapter: &wgpu::Adapter, wanted: &str) -> bool {
     let facts = AdapterFacts::of(&adapter.get_info());
     let wanted = wanted.to_lowercase();
     [&facts.name, &facts.driver]

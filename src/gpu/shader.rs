@@ -12,8 +12,7 @@ use wesl::{ManglerKind, ModulePath, VirtualResolver, Wesl};
 
 static EMBEDDED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
-/// Names a folder that shaders are read from instead of those in the binary.
-pub const SHADERS_VARIABLE: &str = "DIREKT_SHADERS";
+pub use crate::error::SHADERS_VARIABLE;
 
 /// Values that differ between kernels and that WGSL needs as constants; they appear in the module `package::config`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

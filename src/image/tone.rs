@@ -1,7 +1,19 @@
 //! From radiance to display values.
 
 /// How radiance above what a display can show is treated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(
+    Debug,
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    Default,
+    strum::Display,
+    strum::EnumMessage,
+    strum::VariantArray,
+)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+#[strum(serialize_all = "kebab-case")]
 pub enum ToneMapper {
     /// Values above 1 are cut off; all below are shown as they are.
     #[default]

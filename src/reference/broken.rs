@@ -9,7 +9,8 @@ use crate::prepare::Prepared;
 use glam::DVec3;
 
 /// A mistake.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum BrokenTwin {
     /// Every sampling density is 2 % too large
     PdfScaled,

@@ -15,17 +15,14 @@ macro_rules! choice {
             serde::Serialize,
             serde::Deserialize,
             schemars::JsonSchema,
-            clap::ValueEnum,
+            strum::Display,
+            strum::EnumMessage,
+            strum::VariantArray,
         )]
+        #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
         #[serde(rename_all = "kebab-case")]
+        #[strum(serialize_all = "kebab-case")]
         pub enum $name { $($(#[$of_variant])* $variant,)* }
-
-        impl std::fmt::Display for $name {
-            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                let value = clap::ValueEnum::to_possible_value(self);
-                f.write_str(value.expect("no choice is hidden").get_name())
-            }
-        }
     };
 }
 

@@ -172,8 +172,8 @@ mod tests {
     use super::*;
 
     fn filters() -> Vec<PixelFilter> {
-        use clap::ValueEnum;
-        let usual = FilterKind::value_variants().iter();
+        use strum::VariantArray;
+        let usual = FilterKind::VARIANTS.iter();
         let mut all: Vec<_> = usual.map(|k| PixelFilter::of_kind(*k)).collect();
         for (radius, stddev) in [(2.0, 0.5), (0.3, 50.0), (9.0, 0.25)] {
             all.push(PixelFilter {

@@ -36,5 +36,4 @@ pub fn normal_below(z: f64) -> f64 {
     0.5 * erfc(-z * FRAC_1_SQRT_2)
 }
 
-#[cfg(test)]
-pub(crate) mod testing;
+pub mod testing;

@@ -4,6 +4,7 @@ use super::sidak::Family;
 use std::f64::consts::TAU;
 
 /// A stream of random numbers (`SplitMix64`: Steele, Lea & Flood 2014).
+#[derive(Debug)]
 pub struct Stream(u64);
 
 impl Stream {

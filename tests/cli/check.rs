@@ -1,12 +1,13 @@
 //! `direkt render --check`.
 
 use super::{run, text};
+use crate::support::project;
 use serde_json::Value;
 use std::path::Path;
 
 /// `point_above.toml`, which is deterministic, with `change` made to its text.
 fn changed_point(folder: &Path, change: (&str, &str)) -> std::path::PathBuf {
-    let original = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tests/point_above.toml");
+    let original = project("scenes/tests/point_above.toml");
     let text = std::fs::read_to_string(original).unwrap();
     assert!(text.contains(change.0));
     let path = folder.join("changed.toml");

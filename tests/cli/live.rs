@@ -20,7 +20,7 @@ fn outputs_are_written_while_rendering() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_direkt"))
         .args(["render", "scenes/cornell.toml", "-q", "--size", SIZE])
         .args(["--time", "4", "--watch=0.1", "-o", text(&png)])
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .current_dir(crate::support::PROJECT)
         .spawn()
         .unwrap();
     let mut images = Vec::new();

@@ -2,7 +2,6 @@
 
 use super::scaled;
 use crate::support::{STRATEGIES, context, prepared_for, scene, statistics};
-use direkt::compare::{CompareError, Settings, compare};
 use direkt::reference::Twin;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::reference::exact::scene::ExactScene;
@@ -10,10 +9,14 @@ use direkt::scene::material::DielectricLayer;
 use direkt::scene::{Bsdf, FilmSize, Scene, Strategy};
 use direkt::stats::moments::Moments;
 use direkt::stats::t_test::one_sample;
+use direkt_instruments::compare::{CompareError, Settings, compare};
 use glam::DVec3;
 use rayon::prelude::*;
 
-fn exact(scene: Scene, strategy: Strategy) -> Result<direkt::compare::Comparison, CompareError> {
+fn exact(
+    scene: Scene,
+    strategy: Strategy,
+) -> Result<direkt_instruments::compare::Comparison, CompareError> {
     let settings = Settings {
         film: scaled(scene.film, 1 << 13),
         samples: 64,

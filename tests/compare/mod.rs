@@ -5,9 +5,9 @@ mod power;
 mod scenes;
 
 use crate::support::{context, prepared_for};
-use direkt::compare::{Comparison, Settings, compare};
 use direkt::reference::BrokenTwin;
 use direkt::scene::{FilmSize, Scene, Strategy};
+use direkt_instruments::compare::{Comparison, Settings, compare};
 
 /// Compares `scene` under `strategy`, its image scaled to at most `pixels` pixels.
 fn compared(

@@ -2,10 +2,10 @@
 
 use super::compared;
 use crate::support::{KINDS_OF_STRATEGIES, prepared_for, scene, scenes_of_lights};
-use direkt::compare::Comparison;
 use direkt::effects::Effect;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::scene::{LightSampling, Scene, Strategy};
+use direkt_instruments::compare::Comparison;
 
 /// By which parts of the comparison a broken twin was rejected, on how many scenes.
 #[derive(Debug, Clone, Copy, Default)]

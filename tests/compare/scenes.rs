@@ -6,9 +6,9 @@ use crate::support::{
     KINDS_OF_STRATEGIES, STRATEGIES, emitter, own_scenes, scene, scenes_of_lights, shared,
     statistics,
 };
-use direkt::compare::Comparison;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{Geometry, LightSelection, Sampler, ShadowPattern, Strategy};
+use direkt_instruments::compare::Comparison;
 use glam::DVec3;
 
 /// What rests on chance is counted in the suite's family: the worst pixel by Bonferroni, and each channel's mean.
@@ -147,7 +147,7 @@ fn gpu_and_reference_agree_on_gltf_and_on_scenes_with_models() {
         assets: vec![assets.clone()],
         ..LoadOptions::default()
     };
-    let project = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let project = std::path::Path::new(crate::support::PROJECT);
     for path in [
         assets.join("CornellBox.glb"),
         project.join("scenes/helmet.toml"),

@@ -1,10 +1,10 @@
 //! Images know their own error: with every sampler, on the GPU.
 
 use crate::support::{context, prepared_for, scene};
-use direkt::cost::calibrate::{Settings, calibrate};
-use direkt::cost::estimator::{Choices, combinations};
 use direkt::render::Session;
 use direkt::scene::{FilmSize, LightSelection, RenderSettings, Sampler, Scene, Strategy};
+use direkt_instruments::cost::calibrate::{Settings, calibrate};
+use direkt_instruments::cost::estimator::{Choices, combinations};
 use std::cell::Cell;
 
 const IMAGES: u32 = 60;

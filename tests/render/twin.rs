@@ -5,12 +5,12 @@
 //! samples. Pixels of different strategies are therefore compared through their twins.
 
 use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes, prepared_for, scene, statistics};
-use direkt::compare::per_pixel::{Accumulator, PerPixel};
-use direkt::compare::whole_image::WholeImage;
 use direkt::gpu::recorder::Recorder;
 use direkt::reference::Twin;
 use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::scene::{FilmSize, LightSelection};
+use direkt_instruments::compare::per_pixel::{Accumulator, PerPixel};
+use direkt_instruments::compare::whole_image::WholeImage;
 use std::collections::BTreeMap;
 
 const FILM: FilmSize = FilmSize {

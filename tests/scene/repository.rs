@@ -19,9 +19,7 @@ fn rectangle(geometry: &Geometry) -> (DVec3, DVec3) {
 }
 
 fn repository_scene(name: &str, options: &LoadOptions) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("scenes")
-        .join(name);
+    let path = Path::new(crate::support::PROJECT).join("scenes").join(name);
     load(&path, options).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -139,7 +137,7 @@ fn other_scenes_of_the_repository_load() {
 
 #[test]
 fn repository_scenes_say_what_they_prove() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let folder = Path::new(crate::support::PROJECT).join("scenes");
     for entry in std::fs::read_dir(folder).expect("scenes/ exists") {
         let path = entry.expect("scenes/ can be listed").path();
         if path.extension().is_some_and(|e| e == "toml") {

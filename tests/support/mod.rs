@@ -52,9 +52,12 @@ pub fn at_exit(last: extern "C" fn()) {
     unsafe { atexit(last) };
 }
 
+/// The folder of the project.
+pub const PROJECT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
 /// A folder or file of the project.
 pub fn project(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+    Path::new(PROJECT).join(path)
 }
 
 /// Loads a scene of the project.

@@ -3,7 +3,6 @@
 use super::feature_record::record_features;
 use super::sample::Sample;
 use crate::accel::PrimitiveGeometry;
-use crate::gpu::layout::NONE;
 use crate::reference::bsdf::specular::{Way, sample_specular};
 use crate::reference::core::frame::to_world;
 use crate::reference::core::ray::{Hit, Ray};
@@ -47,6 +46,9 @@ fn spread(geometry: &PrimitiveGeometry, t: f64, surface: &Surface) -> f64 {
     let cos = surface.wo.z.max(1e-6);
     1.0 + radius.map_or(0.0, |radius| 2.0 * t / (radius * cos))
 }
+
+/// Stands for no primitive where what a path met is hashed; `shaders/core/constants.wesl`.
+const NONE: u32 = u32::MAX;
 
 /// Notes what a camera ray met.
 fn record_hit(sample: &mut Sample, hit: Option<&Hit>) {

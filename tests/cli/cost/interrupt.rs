@@ -13,12 +13,12 @@ fn interrupted(
     use std::io::{BufReader, Read};
     use std::process::{Command, Stdio};
     let mut child = super::super::Child(
-        Command::new(assert_cmd::cargo::cargo_bin("direkt"))
+        Command::new(env!("CARGO_BIN_EXE_direkt"))
             .args(["cost", "--size", "24x16", "--budget", "3s"])
             .args(["--strategies", "light-area", "-o", text(folder)])
             .args(["--json", text(&folder.join("a.json"))])
             .args(scenes)
-            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .current_dir(crate::support::PROJECT)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()

@@ -1,9 +1,9 @@
 //! `shaders/kernel/lab_bindings.wesl`: which random number goes where, and that a run does not depend on how it is cut.
 
 use crate::support::context;
-use direkt::lab::bench::Bench;
-use direkt::lab::layout::LabRun;
 use direkt::reference::core::rng::{pcg4d, to_unit};
+use direkt_instruments::lab::bench::Bench;
+use direkt_instruments::lab::layout::LabRun;
 
 /// By the uniform density 1/4 a sample is 16(1 − u): the number u itself, to f32.
 #[test]

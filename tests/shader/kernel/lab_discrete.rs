@@ -2,12 +2,12 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
-use direkt::lab::Settings;
-use direkt::lab::bench::Bench;
-use direkt::lab::densities::Discrete;
-use direkt::lab::sampling::draw_discrete;
 use direkt::stats::chi2::{Totals, chi2_test};
 use direkt::stats::z_test::z_test;
+use direkt_instruments::lab::Settings;
+use direkt_instruments::lab::bench::Bench;
+use direkt_instruments::lab::densities::Discrete;
+use direkt_instruments::lab::sampling::draw_discrete;
 
 #[test]
 fn indices_and_steps_follow_their_distribution_and_no_other() {

@@ -2,9 +2,9 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
-use direkt::lab::Settings;
-use direkt::lab::bench::Bench;
-use direkt::lab::estimators::{Class, ESTIMATORS, checks, draw, light_tail_checks};
+use direkt_instruments::lab::Settings;
+use direkt_instruments::lab::bench::Bench;
+use direkt_instruments::lab::estimators::{Class, ESTIMATORS, checks, draw, light_tail_checks};
 
 const SETTINGS: Settings = Settings {
     samples: 1 << 20,

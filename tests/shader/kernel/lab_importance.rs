@@ -2,11 +2,11 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
-use direkt::lab::Settings;
-use direkt::lab::bench::Bench;
-use direkt::lab::importance::{ROWS, checks, draw};
-use direkt::lab::layout::merged;
 use direkt::reference::exact::lecture::LinearDensity;
+use direkt_instruments::lab::Settings;
+use direkt_instruments::lab::bench::Bench;
+use direkt_instruments::lab::importance::{ROWS, checks, draw};
+use direkt_instruments::lab::layout::merged;
 
 const SETTINGS: Settings = Settings {
     samples: 1 << 20,

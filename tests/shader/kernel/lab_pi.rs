@@ -2,11 +2,11 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
-use direkt::lab::Settings;
-use direkt::lab::bench::Bench;
-use direkt::lab::layout::merged;
-use direkt::lab::pi::{draw, methods};
 use direkt::stats::z_test::z_test;
+use direkt_instruments::lab::Settings;
+use direkt_instruments::lab::bench::Bench;
+use direkt_instruments::lab::layout::merged;
+use direkt_instruments::lab::pi::{draw, methods};
 use std::f64::consts::PI;
 
 #[test]

@@ -2,12 +2,12 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
-use direkt::lab::Settings;
-use direkt::lab::bench::Bench;
-use direkt::lab::integral::{Case, Measured, Method, ladder};
-use direkt::lab::rules::Integrand;
 use direkt::stats::moments::Moments;
 use direkt::stats::t_test::one_sample;
+use direkt_instruments::lab::Settings;
+use direkt_instruments::lab::bench::Bench;
+use direkt_instruments::lab::integral::{Case, Measured, Method, ladder};
+use direkt_instruments::lab::rules::Integrand;
 
 const SETTINGS: Settings = Settings {
     samples: 1 << 20,

@@ -2,10 +2,10 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
-use direkt::lab::Settings;
-use direkt::lab::bench::Bench;
-use direkt::lab::densities::DENSITIES;
-use direkt::lab::sampling::{CELLS, check_histogram, draw, histogram};
+use direkt_instruments::lab::Settings;
+use direkt_instruments::lab::bench::Bench;
+use direkt_instruments::lab::densities::DENSITIES;
+use direkt_instruments::lab::sampling::{CELLS, check_histogram, draw, histogram};
 
 #[test]
 fn samples_follow_their_density_and_no_other() {

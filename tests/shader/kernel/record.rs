@@ -1,12 +1,12 @@
 //! `shaders/kernel/record.wesl`: what it records is what a render accumulates.
 
 use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes, prepared_for};
-use direkt::compare::accumulation::TOLERANCE;
 use direkt::gpu::layout::{NONE, SampleRecord};
 use direkt::gpu::recorder::Recorder;
 use direkt::render::{Session, StopReason};
 use direkt::scene::{FilmSize, LightSelection, Strategy};
 use direkt::stats::moments::Moments;
+use direkt_instruments::compare::accumulation::TOLERANCE;
 
 const SAMPLES: u64 = 8;
 const FILM: FilmSize = FilmSize {

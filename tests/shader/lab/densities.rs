@@ -2,7 +2,7 @@
 
 use crate::support::context;
 use crate::support::shader::{Function, call};
-use direkt::lab::densities::DENSITIES;
+use direkt_instruments::lab::densities::DENSITIES;
 
 const FUNCTION: Function<'_> = Function {
     imports: "import package::lab::densities::{sample_density, pdf_density, density_box, density_low};",

@@ -2,7 +2,7 @@
 
 use crate::support::context;
 use crate::support::shader::{Function, call, words};
-use direkt::lab::importance::ROWS;
+use direkt_instruments::lab::importance::ROWS;
 
 /// The distribution function of the sample is the number it was made from, also at the ends.
 #[test]

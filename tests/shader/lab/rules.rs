@@ -2,7 +2,7 @@
 
 use crate::support::context;
 use crate::support::shader::{Function, call};
-use direkt::lab::rules::Rule;
+use direkt_instruments::lab::rules::Rule;
 
 #[test]
 fn nodes_and_weights_are_those_of_f64() {

@@ -1,0 +1,5 @@
+//! The `direkt` command.
+
+fn main() -> std::process::ExitCode {
+    direkt_cli::main()
+}

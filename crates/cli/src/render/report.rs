@@ -1,0 +1,205 @@
+//! What a render tells: on stderr, as JSON and in the attributes of an EXR.
+
+use super::Rendered;
+use crate::passes::StoppedBy;
+use direkt::gpu::AdapterFacts;
+use direkt::prepare::Prepared;
+use direkt::render::{Check, ImageError, Ledger, RayCounts};
+use direkt::scene::{Aovs, LightSampling, LightSelection, Sampler, ShadowPattern, Strategy};
+use serde::Serialize;
+use std::ffi::OsStr;
+use std::path::Path;
+
+/// What `--json` writes.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    direkt: &'static str,
+    scene: String,
+    adapter: AdapterFacts,
+    width: u32,
+    height: u32,
+    spp: u64,
+    /// Fewest and most samples of a pixel.
+    samples: [u64; 2],
+    adaptive: bool,
+    passes: u64,
+    /// What ended it.
+    pub(super) stopped_by: StoppedBy,
+    seconds: Seconds,
+    rays: RayCounts,
+    samples_per_second: f64,
+    rays_per_second: f64,
+    error: Option<ImageError>,
+    pub(super) non_finite: Ledger,
+    effects: Vec<EffectReport>,
+    strategy: Strategy,
+    light_selection: LightSelection,
+    light_sampling: LightSampling,
+    mis_compensation: bool,
+    shadow_rays: u32,
+    shadow_pattern: ShadowPattern,
+    biased: Option<String>,
+    sampler: Sampler,
+    seed: u32,
+    aovs: Aovs,
+    light_groups: Vec<String>,
+    image_mean: [f64; 3],
+    image_mean_standard_error: Option<[f64; 3]>,
+    pub(super) check: Option<Check>,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Seconds {
+    pub(super) load: f64,
+    pub(super) accel: f64,
+    pub(super) compile: f64,
+    pub(super) render: f64,
+    pub(super) aovs: f64,
+    pub(super) total: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct EffectReport {
+    name: &'static str,
+    reason: String,
+}
+
+/// What is known of the image in the end.
+pub(super) fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds) -> Report {
+    let settings = prepared.settings;
+    let Rendered {
+        film,
+        rays,
+        progressed,
+        device,
+        ..
+    } = rendered;
+    let rays = *rays;
+    Report {
+        direkt: env!("CARGO_PKG_VERSION"),
+        scene: prepared.data.scene.source.display().to_string(),
+        adapter: device.adapter.clone(),
+        width: film.size.width,
+        height: film.size.height,
+        spp: film.mean_samples(),
+        samples: film.sample_range().into(),
+        adaptive: settings.adaptive,
+        passes: progressed.passes,
+        stopped_by: progressed.stopped_by,
+        samples_per_second: rays.camera as f64 / seconds.render,
+        rays_per_second: rays.total() as f64 / seconds.render,
+        seconds,
+        rays,
+        error: film.error(),
+        non_finite: film.ledger,
+        effects: effect_reports(prepared),
+        strategy: settings.strategy,
+        light_selection: settings.light_selection,
+        light_sampling: settings.light_sampling,
+        mis_compensation: settings.mis_compensation,
+        shadow_rays: settings.shadow_rays,
+        shadow_pattern: settings.shadow_pattern,
+        biased: prepared.bias(),
+        sampler: settings.sampler,
+        seed: settings.seed,
+        aovs: settings.aovs,
+        light_groups: prepared.emitters.groups.names.clone(),
+        image_mean: film.mean(),
+        image_mean_standard_error: film.standard_error_of_mean(),
+        check: None,
+        warnings: prepared.data.scene.warnings.clone(),
+    }
+}
+
+fn effect_reports(prepared: &Prepared) -> Vec<EffectReport> {
+    let effects = prepared
+        .effects
+        .iter()
+        .map(|(effect, reason)| EffectReport {
+            name: effect.name(),
+            reason: reason.to_owned(),
+        });
+    effects.collect()
+}
+
+/// The EXR's attributes.
+pub(super) fn attributes(report: &Report) -> Vec<(&'static str, String)> {
+    let mut attributes = vec![
+        ("command", command_line()),
+        ("scene", report.scene.clone()),
+        ("adapter", report.adapter.name.clone()),
+        ("driver", report.adapter.driver.clone()),
+        ("seed", report.seed.to_string()),
+        ("spp", report.spp.to_string()),
+        ("adaptive", report.adaptive.to_string()),
+        ("seconds", format!("{:.3}", report.seconds.render)),
+        ("direkt", report.direkt.to_owned()),
+        ("strategy", report.strategy.to_string()),
+        ("light_selection", report.light_selection.to_string()),
+        ("light_sampling", report.light_sampling.to_string()),
+        ("mis_compensation", report.mis_compensation.to_string()),
+        ("shadow_rays", report.shadow_rays.to_string()),
+        ("shadow_pattern", report.shadow_pattern.to_string()),
+        ("sampler", report.sampler.to_string()),
+    ];
+    attributes.extend(report.biased.clone().map(|bias| ("biased", bias)));
+    attributes
+}
+
+/// The command line as UTF-8: what is none has replacement characters.
+fn command_line() -> String {
+    let arguments: Vec<_> = std::env::args_os().collect();
+    arguments
+        .join(OsStr::new(" "))
+        .to_string_lossy()
+        .into_owned()
+}
+
+/// One line about the image in `files`.
+pub(super) fn summary(files: &[&Path], report: &Report) -> String {
+    let files: Vec<String> = match files {
+        [] => vec![report.scene.clone()],
+        files => files.iter().map(|p| p.display().to_string()).collect(),
+    };
+    let error = report.error.map_or_else(
+        || "error unknown".to_owned(),
+        |e| {
+            format!(
+                "relMSE {:.3e} [{:.3e}, {:.3e}], √relMSE {:.2} %",
+                e.rel_mse,
+                e.rel_mse_low,
+                e.rel_mse_high,
+                100.0 * e.rel_mse.sqrt()
+            )
+        },
+    );
+    format!(
+        "{}: {} × {}, {} spp in {:.2} s ({:.1} M samples/s, {:.1} M rays/s), {error}",
+        files.join(", "),
+        report.width,
+        report.height,
+        report.spp,
+        report.seconds.render,
+        report.samples_per_second / 1e6,
+        report.rays_per_second / 1e6,
+    )
+}
+
+/// What was dropped.
+pub(super) fn ledger_sentence(ledger: &Ledger) -> String {
+    let first = |kind: &str, bad: Option<direkt::render::FirstBad>| {
+        bad.map_or_else(String::new, |b| {
+            format!(
+                "; first {kind} at pixel ({}, {}), sample {}",
+                b.x, b.y, b.sample
+            )
+        })
+    };
+    format!(
+        "{} samples were not finite and were dropped{}{}",
+        ledger.dropped,
+        first("NaN", ledger.first_nan),
+        first("infinity", ledger.first_infinite),
+    )
+}

@@ -1,0 +1,61 @@
+//! How light is found.
+
+use super::{choice, compare};
+use crate::app::App;
+use crate::job::VIEW_NAMES;
+use direkt::scene::settings::MAX_SPECULAR_DEPTH;
+use direkt::scene::shadow_rays::MAX_SHADOW_RAYS;
+use direkt::scene::{LightSampling, LightSelection, Sampler, ShadowPattern, Strategy};
+use eframe::egui::{DragValue, Ui};
+
+/// Shows the controls of the view that is edited.
+pub fn show(app: &mut App, ui: &mut Ui) {
+    let mut compared = app.methods.len() > 1;
+    ui.horizontal_wrapped(|ui| {
+        let toggled = ui.checkbox(&mut compared, "compare two methods");
+        if toggled.on_hover_text("C").changed() {
+            compare(app, compared);
+        }
+        if app.methods.len() > 1 {
+            for (view, name) in VIEW_NAMES.into_iter().enumerate() {
+                ui.selectable_value(&mut app.edited, view, name);
+            }
+        }
+    });
+    let index = app.edited_view();
+    let settings = &mut app.methods[index].settings;
+    choice::<Strategy>(ui, "strategy", &mut settings.strategy);
+    choice::<LightSelection>(ui, "light selection", &mut settings.light_selection);
+    if settings.strategy.is_mis() {
+        choice::<LightSampling>(ui, "light sampling", &mut settings.light_sampling);
+        ui.checkbox(
+            &mut settings.mis_compensation,
+            "MIS compensation of the environment",
+        );
+    }
+    choice::<Sampler>(ui, "sampler", &mut settings.sampler);
+    ui.checkbox(
+        &mut settings.adaptive,
+        "adaptive: more samples where the error is",
+    );
+    ui.horizontal_wrapped(|ui| {
+        let rays = DragValue::new(&mut settings.shadow_rays);
+        ui.add(rays.range(1..=MAX_SHADOW_RAYS).suffix(" shadow rays"));
+        let depth = DragValue::new(&mut settings.max_specular_depth);
+        ui.add(
+            depth
+                .range(0..=MAX_SPECULAR_DEPTH)
+                .prefix("specular depth "),
+        );
+    });
+    if settings.shadow_rays > 1 || settings.shadow_pattern != ShadowPattern::default() {
+        choice::<ShadowPattern>(ui, "shadow pattern", &mut settings.shadow_pattern);
+    }
+    ui.checkbox(
+        &mut settings.energy_compensation,
+        "energy compensation of rough metals",
+    );
+    ui.horizontal_wrapped(|ui| {
+        ui.add(DragValue::new(&mut settings.seed).prefix("seed "));
+    });
+}

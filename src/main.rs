@@ -1,5 +1,0 @@
-//! The `direkt` command.
-
-fn main() -> std::process::ExitCode {
-    direkt::cli::main()
-}

@@ -1,0 +1,99 @@
+//! Which module may import which: the layers of the core, from the lowest to the highest. What lies above it (instruments,
+//! window, command line) are packages of their own, which the compiler keeps apart.
+
+use crate::support::project;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Modules of `src/`, each with those that it may import.
+const LAYERS: [(&str, &[&str]); 15] = [
+    ("console", &[]),
+    ("golden", &[]),
+    ("stats", &[]),
+    ("error", &[]),
+    ("output", &["console", "error"]),
+    ("scene", &["error", "golden"]),
+    ("accel", &["scene"]),
+    ("emitters", &["accel", "scene"]),
+    ("effects", &["accel", "emitters", "scene"]),
+    ("prepare", &["accel", "effects", "emitters", "scene"]),
+    (
+        "reference",
+        &["accel", "effects", "emitters", "prepare", "scene"],
+    ),
+    (
+        "gpu",
+        &["accel", "effects", "emitters", "error", "prepare", "scene"],
+    ),
+    (
+        "render",
+        &[
+            "effects", "error", "golden", "gpu", "prepare", "scene", "stats",
+        ],
+    ),
+    (
+        "image",
+        &["error", "gpu", "output", "prepare", "render", "scene"],
+    ),
+    ("lib", &[]),
+];
+
+fn rust_files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path());
+    let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
+    let mut files: Vec<_> = files
+        .into_iter()
+        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
+        .collect();
+    files.extend(folders.iter().flat_map(|folder| rust_files(folder)));
+    files
+}
+
+/// Modules of the crate that `text` names outside comments and its own unit tests, which end a file.
+fn imports(text: &str) -> BTreeSet<String> {
+    let code = text.split("#[cfg(test)]").next().unwrap();
+    let lines = code
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//"));
+    let names = lines.flat_map(|line| line.split("crate::").skip(1));
+    names
+        .map(|rest| {
+            rest.chars()
+                .take_while(|c| c.is_alphanumeric() || *c == '_')
+                .collect()
+        })
+        .collect()
+}
+
+#[test]
+fn no_module_imports_one_above_it() {
+    let source = project("src");
+    let files = rust_files(&source);
+    assert!(files.len() > 200, "{} files", files.len());
+    let mut seen = BTreeSet::new();
+    let mut upwards = Vec::new();
+    for path in files.iter().filter(|path| !path.ends_with("tests.rs")) {
+        let first = path.strip_prefix(&source).unwrap().iter().next().unwrap();
+        let module = first.to_str().unwrap().trim_end_matches(".rs");
+        let layer = LAYERS.iter().find(|(name, _)| *name == module);
+        let (_, below) = layer.unwrap_or_else(|| panic!("{module} is in no layer"));
+        seen.insert(module.to_owned());
+        for import in imports(&std::fs::read_to_string(path).unwrap()) {
+            if import != module && !below.contains(&import.as_str()) {
+                upwards.push(format!("{} imports {import}", path.display()));
+            }
+        }
+    }
+    assert_eq!(upwards, [""; 0]);
+    assert_eq!(seen.len(), LAYERS.len(), "a layer without files: {seen:?}");
+}
+
+#[test]
+fn an_import_is_seen_wherever_it_stands() {
+    let text = "use crate::gpu::Context;\n// crate::render\nfn f() -> crate::scene::Scene {}\n\
+                #[cfg(test)]\nmod tests { use crate::reference; }";
+    let expected = ["gpu", "scene"].map(str::to_owned);
+    assert_eq!(imports(text), BTreeSet::from(expected));
+}
