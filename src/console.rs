@@ -35,7 +35,7 @@ pub fn write_stdout(bytes: &[u8]) -> Result<(), Error> {
     }
 }
 
-/// Why text of [`print`] was lost, if any was.
+/// Why text of [`print()`] was lost, if any was.
 pub fn stdout_failure() -> Option<&'static Error> {
     STDOUT_FAILURE.get()
 }

@@ -12,26 +12,34 @@
 //! scene file ─► scene::load ─► Scene (f64, validated)
 //!                                │
 //!                                ▼
-//!               render::Prepared: scene::normalize (recentre, power-of-two scale), accel (BVH),
-//!                                 emitters (lights, selection), effects (what is compiled in, and why)
-//!                                │
+//!               prepare::SceneData: scene::normalize (recentre, power-of-two scale), accel (BVH)
+//!                                │             what depends on the scene alone; estimators share it
 //!                                ▼
-//!               gpu::SceneBuffers, gpu::shader::link (WESL → WGSL), gpu::SceneKernel
+//!               prepare::Prepared: emitters (lights, selection), effects (what is compiled in, and why)
+//!                                │             what depends on the estimator as well
+//!                                ▼
+//!               gpu::GpuScene (uploaded once), gpu::SceneBuffers, gpu::shader::link (WESL → WGSL), gpu::SceneKernel
 //!                                │
 //!                                ▼
 //!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}
 //! ```
 //!
-//! One direction only: `scene ← accel ← gpu ← render ← cli`. [`cost`], [`report`] and [`explain`] stand
-//! between `render` and `cli`, and so does [`window`](mod@window). Beside it, [`stats`] decides whether samples agree with what they should be, and
-//! [`reference`](mod@reference) computes what they should be; both in f64 and without the GPU. [`compare`] holds one
-//! against the other; `docs/verification.md` says how. [`lab`] runs kernels without a scene.
-//! Its plots, the report's and those of `explain` are made of [`drawing`].
+//! One direction only: `scene ← accel ← emitters ← effects ← prepare ← gpu ← render ← image`; a test holds these layers
+//! (`tests/layers.rs` has the table). Beside `gpu`, and without it, [`reference`](mod@reference) computes in f64 what samples
+//! should be, and [`stats`] decides whether they are.
+//!
+//! This package is the core: no window, no command line, no plots. Above it stand, as packages that the compiler keeps apart:
+//!
+//! | package | holds |
+//! |---|---|
+//! | `crates/instruments` | `compare`, `cost`, `explain`, `lab`; plots (`drawing`) and reports of them |
+//! | `crates/window` | the preview window |
+//! | `crates/cli` | the command `direkt`, and the tests of all (`tests/suite.rs`) |
 //!
 //! # A render, from code
 //!
 //! ```no_run
-//! use direkt::{gpu::Context, render::{Prepared, Session}, scene::load::{LoadOptions, load}};
+//! use direkt::{gpu::Context, prepare::Prepared, render::Session, scene::load::{LoadOptions, load}};
 //!
 //! let scene = load("scenes/cornell.toml".as_ref(), &LoadOptions::default())?;
 //! let (film, settings) = (scene.film, scene.render);
@@ -87,7 +95,6 @@
 //!
 //! # What is awkward today
 //!
-//! - AOVs with rays of their own upload the scene a second time.
 //! - Glass passes no shadow rays, so that its shadows are black; transmission is smooth, and bodies do not absorb.
 //! - Lights with an opacity are chosen as often as opaque ones.
 //! - The BVH's boxes lie on one 16-bit grid over the scene: where detail is finer than 1/65,535 of the scene's size,

@@ -3,7 +3,8 @@
 use super::test_scenes::test_scenes;
 use crate::support::hard_cases::{Measured, survive_by_driver};
 use crate::support::{
-    context, floor_pixel, lambert, own_scenes, point_light, prepared, scene, shape, take,
+    context, floor_pixel, in_a_process_that_compiles_fast, lambert, own_scenes, point_light,
+    prepared, scene, shape, take,
 };
 use direkt::accel::MAX_LIGHT_BOXES;
 use direkt::accel::parts::{PARTS, Split};
@@ -167,19 +168,25 @@ fn scenes_of_all_effects() -> Vec<(String, Prepared)> {
 /// A scene pays for what it uses and nothing else, and gets the same image as with everything.
 #[test]
 fn unneeded_effects_compiled_in_change_nothing() {
-    let scenes = scenes_of_all_effects();
-    assert!(scenes.len() > 8, "{} scenes", scenes.len());
-    for (name, mut prepared) in scenes {
-        let lean = film_of(&prepared, &[4]);
-        for &effect in Effect::ALL.iter().filter(|e| e.can_be_forced()) {
-            prepared.effects.force(effect);
+    let name = concat!(
+        "render::invariance::",
+        "unneeded_effects_compiled_in_change_nothing"
+    );
+    in_a_process_that_compiles_fast(name, || {
+        let scenes = scenes_of_all_effects();
+        assert!(scenes.len() > 8, "{} scenes", scenes.len());
+        for (name, mut prepared) in scenes {
+            let lean = film_of(&prepared, &[4]);
+            for &effect in Effect::ALL.iter().filter(|e| e.can_be_forced()) {
+                prepared.effects.force(effect);
+            }
+            let full = film_of(&prepared, &[4]);
+            let differ = lean.pixels.iter().zip(&full.pixels).filter(|(a, b)| a != b);
+            let differ = differ.count();
+            assert_eq!(differ, 0, "{name}: pixels that differ");
+            assert!(lean.pixels.iter().all(|p| p.samples == 4), "{name}");
         }
-        let full = film_of(&prepared, &[4]);
-        let differ = lean.pixels.iter().zip(&full.pixels).filter(|(a, b)| a != b);
-        let differ = differ.count();
-        assert_eq!(differ, 0, "{name}: pixels that differ");
-        assert!(lean.pixels.iter().all(|p| p.samples == 4), "{name}");
-    }
+    });
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The devices that tests share: as many as run at once, each with the kernels that it compiled.
 
 use direkt::gpu::Context;
+use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 
 /// Devices that no running test uses.
@@ -37,4 +38,22 @@ fn open() -> Context {
     Context::new(None).unwrap_or_else(|e| {
         panic!("the tests need a GPU adapter, run them by `./lavapipe cargo test --release`: {e}")
     })
+}
+
+/// Runs the test `name` in a process of its own, for whose kernels lavapipe compiles in a fifth of the time, as it does not
+/// optimise them: for kernels that take long to compile and render little. `test` is its body.
+pub fn in_a_process_that_compiles_fast(name: &str, test: impl FnOnce()) {
+    const VARIABLE: &str = "GALLIVM_PERF";
+    if std::env::var_os(VARIABLE).is_some() {
+        return test();
+    }
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    let output = command
+        .args([name, "--exact"])
+        .env(VARIABLE, "nopt")
+        .output();
+    let output = output.unwrap();
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{said}");
+    assert!(said.contains("1 passed"), "{name} is no test: {said}");
 }

@@ -13,7 +13,7 @@ pub mod shader;
 pub mod statistics;
 pub mod twin;
 
-pub use device::context;
+pub use device::{context, in_a_process_that_compiles_fast};
 use direkt::gpu::Context;
 use direkt::prepare::Prepared;
 use direkt::render::{Film, Session, StopReason};
