@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 enum Kind {
     /// Nothing, bit for bit.
     Simulation,
-    /// It is a way of sampling: the noise becomes another.
+    /// Changes how samples are drawn: same expected image, different noise.
     Sampling,
 }
 

@@ -217,8 +217,8 @@ impl<'a> Session<'a> {
         Ok(!unfinished)
     }
 
-    /// Pixel-samples that fit the time a dispatch should take, judging by one of `done` that took `elapsed`. One that was much
-    /// smaller than it might have been does not tell that less fits.
+    /// Pixel-samples that fit the time a dispatch should take, judging by one of `done` that took `elapsed`. A dispatch
+    /// far below the budget is no evidence that the budget is too large.
     fn next_budget(&self, done: u64, elapsed: Duration) -> u64 {
         let fit = done as f64 * self.dispatch_time.as_secs_f64() / elapsed.as_secs_f64().max(1e-6);
         let largest = self.budget.max(done).saturating_mul(4);

@@ -48,7 +48,7 @@ pub enum Light {
 }
 
 impl Light {
-    /// What it is as bright as: its intensity or irradiance.
+    /// Its intensity (point, spot) or irradiance (directional, sun).
     pub fn strength_mut(&mut self) -> &mut DVec3 {
         match self {
             Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,

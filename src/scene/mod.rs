@@ -69,7 +69,7 @@ pub struct Scene {
     pub expect: Option<Expect>,
     /// What the file asks for and direkt does not do, or what was dropped: one sentence each.
     pub warnings: Vec<String>,
-    /// What a pixel shows of what lies around its middle.
+    /// The pixel reconstruction filter.
     pub filter: PixelFilter,
     /// Which light belongs to which group.
     pub light_groups: LightGroups,

@@ -51,7 +51,7 @@ pub struct Settings {
     pub estimators: Vec<Estimator>,
     /// Seconds of rendering on each scene; compiling comes on top.
     pub budget: f64,
-    /// Relative mean squared error whose price is told.
+    /// Target relMSE; the report gives the time to reach it.
     pub target: f64,
     /// An EXR to compare with; none: what the scene states, or a run of one's own.
     pub reference: Option<PathBuf>,
@@ -84,7 +84,7 @@ pub struct SceneCost {
     pub estimators: Vec<EstimatorCost>,
     /// Those that the scene cannot use.
     pub not_applicable: Vec<NotApplicable>,
-    /// The relative mean squared error whose price is told.
+    /// Target relMSE; the report gives the time to reach it.
     pub target: f64,
     /// Seconds that each image of the comparison at equal time was to take.
     pub equal_seconds: f64,
