@@ -9,6 +9,7 @@ use crate::scene::{
     Camera, EnvironmentMap, EnvironmentRadiance, LightSampling, Material, MaterialTextures,
     RenderSettings, Sampler, Scene, ShadowPattern, Strategy, TextureUse,
 };
+use std::ops::Deref;
 
 /// The width of a material's microfacet lobe.
 pub(super) fn microfacets(material: &Material) -> Option<String> {
@@ -86,43 +87,45 @@ pub(super) struct Rules<'a> {
     pub(super) found: Effects,
 }
 
+impl<'a> Deref for Rules<'a> {
+    type Target = EffectQuery<'a>;
+
+    fn deref(&self) -> &EffectQuery<'a> {
+        self.query
+    }
+}
+
 impl Rules<'_> {
     fn has(&self, effect: Effect) -> bool {
         self.found.contains(effect)
     }
 
     fn name_of(&self, primitive: &Primitive) -> String {
-        self.query.scene.shapes[primitive.shape.index()]
-            .name
-            .clone()
+        self.scene.shapes[primitive.shape.index()].name.clone()
     }
 
     /// The first shape for which `wanted` holds.
     pub(super) fn shape(&self, wanted: fn(&PrimitiveGeometry) -> bool) -> Option<String> {
-        let found = self.query.primitives.iter().find(|p| wanted(&p.geometry));
+        let found = self.primitives.iter().find(|p| wanted(&p.geometry));
         found.map(|p| self.name_of(p))
     }
 
     /// The first material of a surface for which `why` says something.
     pub(super) fn material(&self, why: fn(&Material) -> Option<String>) -> Option<String> {
-        let mut asked = vec![false; self.query.scene.materials.len()];
-        self.query.primitives.iter().find_map(|p| {
+        let mut asked = vec![false; self.scene.materials.len()];
+        self.primitives.iter().find_map(|p| {
             let index = p.material.index();
             if std::mem::replace(&mut asked[index], true) {
                 return None;
             }
-            let material = &self.query.scene.materials[index];
+            let material = &self.scene.materials[index];
             why(material).map(|why| format!("materials.{}: {why}", material.name))
         })
     }
 
     /// The first primitive for whose attributes `wanted` holds.
     pub(super) fn attributed(&self, wanted: fn(&Attributed) -> bool) -> Option<String> {
-        let primitives = self
-            .query
-            .primitives
-            .iter()
-            .zip(&self.query.attributes.of_primitive);
+        let primitives = self.primitives.iter().zip(&self.attributes.of_primitive);
         let mut primitives = primitives.filter(|(_, attributes)| wanted(attributes));
         primitives.next().map(|(p, _)| self.name_of(p))
     }
@@ -137,15 +140,11 @@ impl Rules<'_> {
 
     /// The same of all that a material reads.
     fn texture_of(&self, which: impl Fn(&Material) -> Option<TextureUse>) -> Option<String> {
-        let primitives = self
-            .query
-            .primitives
-            .iter()
-            .zip(&self.query.attributes.of_primitive);
+        let primitives = self.primitives.iter().zip(&self.attributes.of_primitive);
         let mut primitives = primitives.filter(|(_, attributes)| attributes.uvs);
         primitives.find_map(|(p, _)| {
-            let material = &self.query.scene.materials[p.material.index()];
-            let texture = &self.query.scene.textures[which(material)?.texture.index()];
+            let material = &self.scene.materials[p.material.index()];
+            let texture = &self.scene.textures[which(material)?.texture.index()];
             Some(format!(
                 "materials.{}: {} ({} × {})",
                 material.name, texture.source, texture.width, texture.height
@@ -155,21 +154,14 @@ impl Rules<'_> {
 
     /// The first opacity of a primitive that is not 1 everywhere.
     pub(super) fn opacity(&self) -> Option<String> {
-        let primitives = self
-            .query
-            .primitives
-            .iter()
-            .zip(&self.query.attributes.of_primitive);
+        let primitives = self.primitives.iter().zip(&self.attributes.of_primitive);
         let mut primitives = primitives.filter(|(_, attributes)| attributes.opacity);
         primitives.next().map(|(p, attributes)| {
-            let material = &self.query.scene.materials[p.material.index()];
+            let material = &self.scene.materials[p.material.index()];
             let opacity = &material.opacity;
             let mut said = format!("materials.{}: opacity {}", material.name, opacity.factor);
             if let Some(used) = opacity.texture.filter(|_| attributes.uvs) {
-                said += &format!(
-                    " × {}",
-                    self.query.scene.textures[used.texture.index()].source
-                );
+                said += &format!(" × {}", self.scene.textures[used.texture.index()].source);
             }
             if attributes.colors {
                 said += " × vertex alpha";
@@ -184,14 +176,14 @@ impl Rules<'_> {
 
     /// The first shape with an opacity that emits and is sampled.
     pub(super) fn alpha_lights(&self) -> Option<String> {
-        let mut lights = self.query.emitters.lights.iter().enumerate();
+        let mut lights = self.emitters.lights.iter().enumerate();
         lights.find_map(|(index, light)| {
             let Emitter::Area { primitive, .. } = light else {
                 return None;
             };
-            let opacity = self.query.attributes.of_primitive[*primitive as usize].opacity;
-            let sampled = self.query.emitters.probability(index) > 0.0;
-            let name = || self.name_of(&self.query.primitives[*primitive as usize]);
+            let opacity = self.attributes.of_primitive[*primitive as usize].opacity;
+            let sampled = self.emitters.probability(index) > 0.0;
+            let name = || self.name_of(&self.primitives[*primitive as usize]);
             (opacity && sampled).then(|| format!("{} emits and has an opacity", name()))
         })
     }
@@ -201,7 +193,7 @@ impl Rules<'_> {
     }
 
     pub(super) fn energy_compensation(&self) -> Option<String> {
-        let wanted = self.query.settings.energy_compensation;
+        let wanted = self.settings.energy_compensation;
         wanted.then(|| self.material(rough_metal)).flatten()
     }
 
@@ -211,13 +203,13 @@ impl Rules<'_> {
         &self,
         wanted: fn(&PrimitiveGeometry, bool) -> bool,
     ) -> Option<String> {
-        let mut lights = self.query.emitters.lights.iter().enumerate();
+        let mut lights = self.emitters.lights.iter().enumerate();
         lights.find_map(|(index, light)| {
             let Emitter::Area { primitive, .. } = light else {
                 return None;
             };
-            let primitive = &self.query.primitives[*primitive as usize];
-            let sampled = self.query.emitters.probability(index) > 0.0;
+            let primitive = &self.primitives[*primitive as usize];
+            let sampled = self.emitters.probability(index) > 0.0;
             wanted(&primitive.geometry, sampled)
                 .then(|| format!("{} emits", self.name_of(primitive)))
         })
@@ -225,11 +217,11 @@ impl Rules<'_> {
 
     /// The first texture that varies a light.
     pub(super) fn emissive_texture(&self) -> Option<String> {
-        let map = self.query.emitters.maps.first()?;
-        let texture = &self.query.scene.textures[map.texture.texture.index()];
+        let map = self.emitters.maps.first()?;
+        let texture = &self.scene.textures[map.texture.texture.index()];
         Some(format!(
             "{} emits {} ({} × {})",
-            self.query.scene.shapes[map.shape.index()].name,
+            self.scene.shapes[map.shape.index()].name,
             texture.source,
             texture.width,
             texture.height
@@ -247,7 +239,7 @@ impl Rules<'_> {
     }
 
     fn map(&self) -> Option<&EnvironmentMap> {
-        let environment = self.query.scene.environment.as_ref()?;
+        let environment = self.scene.environment.as_ref()?;
         match &environment.radiance {
             EnvironmentRadiance::Map(map) if self.has(Effect::Environment) => Some(map),
             _ => None,
@@ -279,52 +271,43 @@ impl Rules<'_> {
     }
 
     pub(super) fn light_choice(&self) -> Option<String> {
-        let lights = self.query.emitters.lights.len();
-        let one = matches!(self.query.emitters.selection, Some(Selection::One(_)));
+        let lights = self.emitters.lights.len();
+        let one = matches!(self.emitters.selection, Some(Selection::One(_)));
         (one && lights > 1).then(|| format!("{lights} lights"))
     }
 
     pub(super) fn light_tree(&self) -> Option<String> {
-        let tree = matches!(self.query.emitters.selection, Some(Selection::Tree(_)));
-        let lights = self.query.emitters.lights.len();
+        let tree = matches!(self.emitters.selection, Some(Selection::Tree(_)));
+        let lights = self.emitters.lights.len();
         tree.then(|| format!("light_selection = \"tree\", {lights} lights"))
     }
 
     pub(super) fn all_lights(&self) -> Option<String> {
-        let all = matches!(self.query.emitters.selection, Some(Selection::All(_)));
-        all.then(|| {
-            format!(
-                "light selection all, {} lights",
-                self.query.emitters.lights.len()
-            )
-        })
+        let all = matches!(self.emitters.selection, Some(Selection::All(_)));
+        all.then(|| format!("light selection all, {} lights", self.emitters.lights.len()))
     }
 
     /// Whether some light that is sampled has a surface, or is the environment.
     fn samples_extended_lights(&self) -> bool {
-        let mut sampled = self.query.emitters.sampled();
+        let mut sampled = self.emitters.sampled();
         sampled.any(|light| !matches!(light, Emitter::Delta(_)))
     }
 
     /// Called for where a second ray can differ from the first.
     pub(super) fn shadow_rays(&self) -> Option<String> {
-        let rays = self.query.settings.shadow_rays;
-        let center = self.query.settings.shadow_pattern == ShadowPattern::Center;
-        let has_texels = self.query.emitters.environment.is_some()
-            && self
-                .query
-                .emitters
-                .sampled()
-                .any(|l| *l == Emitter::Environment);
+        let rays = self.settings.shadow_rays;
+        let center = self.settings.shadow_pattern == ShadowPattern::Center;
+        let has_texels = self.emitters.environment.is_some()
+            && self.emitters.sampled().any(|l| *l == Emitter::Environment);
         let chooses = self.has(Effect::LightChoice) || self.has(Effect::LightTree);
-        let chosen = chooses && self.query.emitters.sampled().count() > 1;
+        let chosen = chooses && self.emitters.sampled().count() > 1;
         let differ = chosen || has_texels || (self.samples_extended_lights() && !center);
         (rays > 1 && differ).then(|| format!("shadow_rays = {rays}"))
     }
 
     /// Called for where its points can differ from others. A grid of one cell is its centre.
     pub(super) fn shadow_pattern(&self, effect: ShadowPattern) -> Option<String> {
-        let asked = self.query.settings.shadow_pattern;
+        let asked = self.settings.shadow_pattern;
         let extended = self.samples_extended_lights();
         let several = self.has(Effect::ShadowRays);
         let used = match asked {
@@ -337,8 +320,8 @@ impl Rules<'_> {
     }
 
     pub(super) fn light_sampling(&self) -> Option<String> {
-        self.query.emitters.selection.as_ref()?;
-        Some(if self.query.settings.strategy.samples_lights() {
+        self.emitters.selection.as_ref()?;
+        Some(if self.settings.strategy.samples_lights() {
             self.by_strategy()
         } else {
             "lights without a surface, which no other strategy reaches".to_owned()
@@ -346,27 +329,27 @@ impl Rules<'_> {
     }
 
     fn by_strategy(&self) -> String {
-        format!("strategy {}", self.query.settings.strategy)
+        format!("strategy {}", self.settings.strategy)
     }
 
     pub(super) fn bsdf_sampling(&self) -> Option<String> {
         let can_be_hit = [Effect::AreaLights, Effect::Suns, Effect::Environment];
         let reachable = can_be_hit.into_iter().any(|effect| self.has(effect));
-        (self.query.settings.strategy.samples_directions() && reachable).then(|| self.by_strategy())
+        (self.settings.strategy.samples_directions() && reachable).then(|| self.by_strategy())
     }
 
     /// What `strategy` alone does with sampled directions.
     pub(super) fn directions(&self, strategy: Strategy) -> Option<String> {
-        (self.has(Effect::SampleBsdf) && self.query.settings.strategy == strategy)
+        (self.has(Effect::SampleBsdf) && self.settings.strategy == strategy)
             .then(|| self.by_strategy())
     }
 
     fn sampling_of_lights(&self) -> LightSampling {
-        match self.query.settings.strategy {
+        match self.settings.strategy {
             Strategy::LightArea => LightSampling::Area,
             Strategy::LightSolidAngle => LightSampling::SolidAngle,
             Strategy::LightProjectedSolidAngle => LightSampling::ProjectedSolidAngle,
-            _ => self.query.settings.light_sampling,
+            _ => self.settings.light_sampling,
         }
     }
 
@@ -387,27 +370,27 @@ impl Rules<'_> {
     }
 
     pub(super) fn depth_of_field(&self) -> Option<String> {
-        let radius = self.query.camera.lens.radius;
+        let radius = self.camera.lens.radius;
         (radius > 0.0).then(|| format!("camera.lens_radius = {radius}"))
     }
 
     pub(super) fn orthographic(&self) -> Option<String> {
-        let orthographic = self.query.camera.is_orthographic();
+        let orthographic = self.camera.is_orthographic();
         orthographic.then(|| "camera.type = \"orthographic\"".to_owned())
     }
 
     pub(super) fn pixel_filter(&self) -> Option<String> {
-        let filter = self.query.scene.filter;
+        let filter = self.scene.filter;
         let (kind, radius) = (filter.kind, filter.radius);
         (!filter.is_pixel()).then(|| format!("film.filter = \"{kind}\" of radius {radius}"))
     }
 
     pub(super) fn light_groups(&self) -> Option<String> {
-        let names = &self.query.emitters.groups.names;
+        let names = &self.emitters.groups.names;
         (!names.is_empty()).then(|| format!("AOV light-groups: {}", names.join(", ")))
     }
 
     pub(super) fn sampler(&self, sampler: Sampler) -> Option<String> {
-        (self.query.settings.sampler == sampler).then(|| format!("sampler {sampler}"))
+        (self.settings.sampler == sampler).then(|| format!("sampler {sampler}"))
     }
 }

@@ -168,10 +168,7 @@ fn scenes_of_all_effects() -> Vec<(String, Prepared)> {
 /// A scene pays for what it uses and nothing else, and gets the same image as with everything.
 #[test]
 fn unneeded_effects_compiled_in_change_nothing() {
-    let name = concat!(
-        "render::invariance::",
-        "unneeded_effects_compiled_in_change_nothing"
-    );
+    let name = "render::invariance::unneeded_effects_compiled_in_change_nothing";
     in_a_process_that_compiles_fast(name, || {
         let scenes = scenes_of_all_effects();
         assert!(scenes.len() > 8, "{} scenes", scenes.len());

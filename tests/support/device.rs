@@ -40,8 +40,8 @@ fn open() -> Context {
     })
 }
 
-/// Runs the test `name` in a process of its own, for whose kernels lavapipe compiles in a fifth of the time, as it does not
-/// optimise them: for kernels that take long to compile and render little. `test` is its body.
+/// Runs the test `name` in a process of its own, in which lavapipe compiles kernels without optimising them: for kernels that
+/// take long to compile and render little. `test` is its body.
 pub fn in_a_process_that_compiles_fast(name: &str, test: impl FnOnce()) {
     const VARIABLE: &str = "GALLIVM_PERF";
     if std::env::var_os(VARIABLE).is_some() {
