@@ -18,20 +18,11 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// The command in the project's folder, on the driver as its users have it: `./lavapipe` narrows its vectors for tests, whose
-/// kernels lie in a folder of their own inside that of the users'.
+/// The command in the project's folder, with the vectors that its users have: `./lavapipe` makes those of tests narrower.
 fn direkt() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_direkt"));
     command.current_dir(crate::support::PROJECT);
-    let narrow = std::env::var_os("LP_NATIVE_VECTOR_WIDTH").is_some();
-    let cache = std::env::var_os("MESA_SHADER_CACHE_DIR").filter(|_| narrow);
-    if let Some(users) = cache
-        .as_deref()
-        .and_then(|folder| Path::new(folder).parent())
-    {
-        command.env_remove("LP_NATIVE_VECTOR_WIDTH");
-        command.env("MESA_SHADER_CACHE_DIR", users);
-    }
+    command.env_remove("GALLIUM_OVERRIDE_CPU_CAPS");
     command
 }
 
