@@ -136,15 +136,15 @@ effects! {
     /// Ellipsoids that emit.
     EllipsoidLights "LIGHT_ELLIPSOIDS" "ellipsoid-lights" Simulation
         |r| r.emitting_shape(|s, sampled| sampled && matches!(s, Shape::Ellipsoid { .. }));
-    /// Point and spot lights.
-    PointLights "LIGHT_POINTS" "point-lights" Simulation |r| r.light(|light| match light {
-        Emitter::Delta(Light::Point { .. }) => Some("a point light"),
-        Emitter::Delta(Light::Spot { .. }) => Some("a spot light"),
-        _ => None,
-    });
+    /// Point lights.
+    PointLights "LIGHT_POINTS" "point-lights" Simulation
+        |r| r.light(|light| matches!(light, Emitter::Delta(Light::Point(_))).then_some("a point light"));
+    /// Spot lights.
+    SpotLights "LIGHT_SPOTS" "spot-lights" Simulation
+        |r| r.light(|light| matches!(light, Emitter::Delta(Light::Spot(_))).then_some("a spot light"));
     /// Directional lights.
     DirectionalLights "LIGHT_DIRECTIONALS" "directional-lights" Simulation
-        |r| r.light(|light| matches!(light, Emitter::Delta(Light::Directional { .. })).then_some("a directional light"));
+        |r| r.light(|light| matches!(light, Emitter::Delta(Light::Directional(_))).then_some("a directional light"));
     /// Directional lights with an extent.
     Suns "SUNS" "suns" Simulation |r| r.light(|light| matches!(light, Emitter::Sun(_)).then_some("a sun"));
     /// Light from everywhere.

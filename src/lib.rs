@@ -83,10 +83,25 @@
 //!   ```
 //!
 //!   An effect that reads new data adds it to [`scene`] with its loader, and a member of `Frame` or a buffer.
-//! - **a light**: a variant of [`scene::Light`] or an emitting shape, its power and normalised form in [`emitters`],
-//!   its record in [`gpu::scene_buffers`] and `shaders/scene/fetch.wesl`, `sample_`/`pdf_` functions in
-//!   `shaders/light/`, its case in `shaders/light/light.wesl`, its effect, and a scene in `scenes/tests/` with an exact
-//!   value.
+//! - **a light without a surface**: a spot light is these files, and in one of them a line or a case each but for those that
+//!   have its name:
+//!
+//!   ```text
+//!   src/scene/lights/spot.rs           its data, keys in a scene file, checks, power, spread, record
+//!   src/scene/lights/mod.rs            its row in the table of kinds
+//!   src/effects.rs                     its effect, LIGHT_SPOTS
+//!   shaders/light/spot.wesl            sample_spot_light
+//!   shaders/light/light.wesl           its case
+//!   src/reference/light/spot.rs        the same in f64, which reads nothing of the record
+//!   src/reference/light/mod.rs         its module
+//!   src/reference/light/light.rs       its case
+//!   tests/shader/light/, scenes/tests/ GPU against twin, and a scene with an exact value
+//!   ```
+//!
+//!   `tests/homes.rs` holds this list. A light that BSDF-sampled rays reach as well, such as a sun, has its density in
+//!   `shaders/kernel/direct.wesl` on top.
+//! - **a shape that emits**: its case in `shaders/light/area_light.wesl` and `shaders/scene/fetch.wesl`, its `sample_` and `pdf_`
+//!   functions in a file of `shaders/light/`, their twins, its bounds in [`emitters::tree`], and its effect.
 //! - **a BSDF**: a variant of [`scene::Bsdf`]; if it is not a case of the existing lobes, its `sample_`, `pdf_` and
 //!   `eval_` in `shaders/bsdf/` and its place in `shaders/bsdf/bsdf.wesl`, or in `shaders/bsdf/specular.wesl` where camera
 //!   rays go on in it.

@@ -9,11 +9,11 @@ use std::mem::offset_of;
 
 /// A module that keeps all shared structs and constants alive.
 fn reflected() -> naga::Module {
-    let names: Vec<&str> = layout::SHARED_CONSTANTS.iter().map(|c| c.name).collect();
+    let names: Vec<&str> = layout::shared_constants().iter().map(|c| c.name).collect();
     let mut source = String::from(
         "import package::types::{Frame, Dispatch, FeatureSums, PixelState, SampleRecord, SurfaceRecord};\n",
     );
-    for c in layout::SHARED_CONSTANTS {
+    for c in layout::shared_constants() {
         source += &format!("import package::{}::{};\n", c.module, c.name);
     }
     source += "@group(0) @binding(0) var<storage, read_write> frame: Frame;\n\
@@ -206,7 +206,7 @@ fn the_labs_structs_have_the_same_members() {
 #[test]
 fn constants_have_the_same_values() {
     let module = reflected();
-    for expected in layout::SHARED_CONSTANTS {
+    for expected in layout::shared_constants() {
         let (_, constant) = module
             .constants
             .iter()

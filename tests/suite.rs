@@ -13,6 +13,7 @@ mod compare;
 mod cost;
 mod doctor;
 mod hard_cases;
+mod homes;
 mod lab;
 mod layers;
 mod layout;

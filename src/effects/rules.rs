@@ -3,7 +3,7 @@
 use super::{Effect, Effects};
 use crate::accel::{Attributed, Attributes, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Emitters, Selection};
-use crate::scene::light::Interpolation;
+use crate::scene::environment::Interpolation;
 use crate::scene::material::Fresnel;
 use crate::scene::{
     Camera, EnvironmentMap, EnvironmentRadiance, LightSampling, Material, MaterialTextures,

@@ -224,7 +224,7 @@ pub(super) fn of_primitives<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::light::Interpolation;
+    use crate::scene::environment::Interpolation;
     use crate::scene::texture::rectangle_uv;
     use crate::scene::{Texels, TextureId, Wrap};
     use glam::DAffine2;

@@ -3,7 +3,7 @@
 use super::{row_height, texel_luminance};
 use crate::scene::EnvironmentMap;
 use crate::scene::alias_table::AliasTable;
-use crate::scene::light::Interpolation;
+use crate::scene::environment::Interpolation;
 
 /// Cells at most; larger maps are sampled in blocks of texels.
 const MAX_CELLS: usize = 1 << 21;

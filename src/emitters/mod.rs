@@ -5,7 +5,6 @@ mod emission_map;
 mod environment;
 mod light_groups;
 mod selection;
-mod sun;
 pub mod tree;
 pub mod unit;
 
@@ -13,13 +12,13 @@ pub use emission_map::EmissionMap;
 pub use environment::EnvironmentGrid;
 pub use light_groups::EmitterGroups;
 pub use selection::Selection;
-pub use sun::Sun;
 pub use tree::LightTree;
 
 use crate::accel::Primitive;
 use crate::scene::normalize::Normalization;
 use crate::scene::{
     Emission, Environment, EnvironmentRadiance, Light, LightSelection, RenderSettings, Scene,
+    SunLight,
 };
 use emission_map::{Varies, of_primitives};
 use glam::DVec3;
@@ -40,10 +39,10 @@ pub enum Emitter {
         /// Index of the [`EmissionMap`] that varies the radiance.
         map: Option<u32>,
     },
-    /// A light without a surface; positions and intensities normalised.
+    /// A light without extent, in normalised space.
     Delta(Light),
     /// A sun.
-    Sun(Sun),
+    Sun(SunLight),
     /// The environment.
     Environment,
 }
@@ -118,22 +117,19 @@ impl Emitters {
             maps,
         } = Surfaces::new(scene, primitives, normalization.radius);
         // Suns stand together.
-        let is_sun = |(_, light): &(usize, &Light)| matches!(light, Light::Sun { .. });
+        let is_sun = |(_, light): &(usize, &Light)| matches!(light, Light::Sun(_));
         let named = || scene.lights.iter().enumerate();
         let points = named().filter(|light| !is_sun(light));
         for (index, light) in points.chain(named().filter(is_sun)) {
-            let light = normalized(light, normalization);
-            let of_light = light_power(&light, normalization.radius)
-                * part_that_arrives(position(&light), normalization.radius);
+            let light = light.normalized(normalization);
+            let of_light = light.power_of_strength(normalization.radius)
+                * luminance(light.strength())
+                * part_that_arrives(light.position(), normalization.radius);
             if of_light > 0.0 {
                 power.push(of_light);
                 lights.push(match light {
-                    Light::Sun {
-                        direction,
-                        irradiance,
-                        angular_radius,
-                    } => Emitter::Sun(Sun::new(direction, irradiance, angular_radius)),
-                    point => Emitter::Delta(point),
+                    Light::Sun(sun) => Emitter::Sun(sun),
+                    delta => Emitter::Delta(delta),
                 });
                 groups.push(scene.light_groups.of_light(index));
             }
@@ -323,32 +319,6 @@ fn tree_over(
     LightTree::new(&finite, infinite, lights.len())
 }
 
-fn normalized(light: &Light, n: &Normalization) -> Light {
-    match *light {
-        Light::Point {
-            position,
-            intensity,
-        } => Light::Point {
-            position: n.point(position),
-            intensity: n.intensity(intensity),
-        },
-        Light::Spot {
-            position,
-            direction,
-            intensity,
-            inner_angle,
-            outer_angle,
-        } => Light::Spot {
-            position: n.point(position),
-            direction,
-            intensity: n.intensity(intensity),
-            inner_angle,
-            outer_angle,
-        },
-        far @ (Light::Directional { .. } | Light::Sun { .. }) => far,
-    }
-}
-
 /// Distance from the centre, in radii of what is rendered, beyond which a light counts for what arrives.
 const FAR: f64 = 64.0;
 
@@ -361,33 +331,6 @@ fn part_that_arrives(nearest: Option<DVec3>, radius: f64) -> f64 {
         (radius / distance).powi(2)
     } else {
         1.0
-    }
-}
-
-fn position(light: &Light) -> Option<DVec3> {
-    match *light {
-        Light::Point { position, .. } | Light::Spot { position, .. } => Some(position),
-        Light::Directional { .. } | Light::Sun { .. } => None,
-    }
-}
-
-/// Power of a normalised light. Directional lights, suns and the environment shine on the sphere of `radius`: the scene's, so
-/// that how often each light is chosen does not depend on the unit of length.
-fn light_power(light: &Light, radius: f64) -> f64 {
-    match *light {
-        Light::Point { intensity, .. } => 4.0 * PI * luminance(intensity),
-        Light::Spot {
-            intensity,
-            inner_angle,
-            outer_angle,
-            ..
-        } => {
-            let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
-            2.0 * PI * ((1.0 - inner) + (inner - outer) / 3.0) * luminance(intensity)
-        }
-        Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => {
-            PI * radius * radius * luminance(irradiance)
-        }
     }
 }
 

@@ -5,7 +5,7 @@
 //! is in f64, multiplies it again: no digit is lost or changed.
 
 use super::{EmissionMap, Emitter};
-use crate::scene::{EnvironmentRadiance, Light, Scene};
+use crate::scene::{EnvironmentRadiance, Scene};
 
 /// Samples up to 256 times as many as its square, in 256 of them, are finite in f32, and nearly 2⁴⁸ times as bright as this.
 const BRIGHT: f64 = 48.0;
@@ -38,13 +38,8 @@ fn strength(scene: &Scene, light: &Emitter, maps: &[EmissionMap]) -> f64 {
             let largest = texture.map_or(1.0, |t| scene.textures[t.index()].largest());
             radiance.max_element() * largest
         }
-        Emitter::Sun(sun) => sun.radiance.max_element(),
-        Emitter::Delta(Light::Point { intensity, .. } | Light::Spot { intensity, .. }) => {
-            intensity.max_element()
-        }
-        Emitter::Delta(Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. }) => {
-            irradiance.max_element()
-        }
+        Emitter::Sun(sun) => sun.radiance().max_element(),
+        Emitter::Delta(light) => light.strength().max_element(),
         Emitter::Environment => scene.environment.as_ref().map_or(0.0, |environment| {
             let largest = match &environment.radiance {
                 EnvironmentRadiance::Constant(radiance) => radiance.max_element(),

@@ -4,8 +4,8 @@ use super::layout::{FILTER_WORDS, Frame, TILE};
 use super::lights::first_emission_word;
 use crate::emitters::{Emitter, Selection};
 use crate::prepare::Prepared;
+use crate::scene::environment::Interpolation;
 use crate::scene::filter::FilterTable;
-use crate::scene::light::Interpolation;
 use crate::scene::{EnvironmentRadiance, FilmSize};
 use glam::DVec3;
 

@@ -1,6 +1,7 @@
 //! Structs shared with the shaders. `tests/layout.rs` compares every member with `shaders/types.wesl`.
 
 use crate::accel::{MAX_LIGHT_BOXES, attributes};
+use crate::scene::Light;
 use bytemuck::{Pod, Zeroable};
 
 /// `Frame` of `shaders/types.wesl`: what stays the same for a whole render.
@@ -239,11 +240,21 @@ macro_rules! shared {
     ($($(#[$doc:meta])* $module:literal $name:ident = $value:expr;)*) => {
         $($(#[$doc])* pub const $name: u32 = $value;)*
 
-        /// Everything that `tests/layout.rs` compares with the shaders.
-        pub const SHARED_CONSTANTS: &[SharedConstant] = &[
+        const SHARED_CONSTANTS: &[SharedConstant] = &[
             $(SharedConstant { module: $module, name: stringify!($name), value: $name },)*
         ];
     };
+}
+
+/// Everything that `tests/layout.rs` compares with the shaders: the constants below, and those of the kinds of lights.
+pub fn shared_constants() -> Vec<SharedConstant> {
+    let of_lights = Light::CONSTANTS.iter();
+    let of_lights = of_lights.map(|&(module, name, value)| SharedConstant {
+        module,
+        name,
+        value,
+    });
+    SHARED_CONSTANTS.iter().copied().chain(of_lights).collect()
 }
 
 shared! {
@@ -319,22 +330,18 @@ shared! {
     "scene::fetch" LIGHT_DISK = 2;
     /// A sphere that emits.
     "scene::fetch" LIGHT_SPHERE = 3;
-    /// A point light.
-    "scene::fetch" LIGHT_POINT = 4;
-    /// A spot light.
-    "scene::fetch" LIGHT_SPOT = 5;
-    /// A directional light.
-    "scene::fetch" LIGHT_DIRECTIONAL = 6;
     /// The environment.
     "scene::fetch" LIGHT_ENVIRONMENT = 7;
+    /// The bits of a light's head that hold its kind.
+    "scene::fetch" LIGHT_KIND_MASK = 15;
     /// Set in a light's head where its back emits as well.
-    "scene::fetch" TWO_SIDED_BIT = 8;
+    "scene::fetch" TWO_SIDED_BIT = 16;
     /// Set in a light's head where its edges or half axes are not orthogonal, and where a sphere is an ellipsoid.
-    "scene::fetch" SKEWED_BIT = 16;
+    "scene::fetch" SKEWED_BIT = 32;
     /// Words of a light.
     "scene::fetch" LIGHT_WORDS = 4;
     /// From this bit of a light's head on stands the number of its emission map, from 1.
-    "scene::fetch" EMISSION_SHIFT = 5;
+    "scene::fetch" EMISSION_SHIFT = 6;
     /// Largest number of an emission map.
     "scene::fetch" EMISSION_MASK = 0x3ffff;
     /// Words of an emission map.

@@ -1,9 +1,8 @@
 //! Lights as the GPU reads them: the formats of `shaders/scene/fetch.wesl` and of what lights are chosen by.
 
 use super::layout::{
-    EMISSION_SHIFT, EMISSION_WORDS, LIGHT_DIRECTIONAL, LIGHT_DISK, LIGHT_ENVIRONMENT,
-    LIGHT_GROUP_SHIFT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
-    LIGHT_WORDS, NONE, SKEWED_BIT, TWO_SIDED_BIT,
+    EMISSION_SHIFT, EMISSION_WORDS, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_GROUP_SHIFT,
+    LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_TRIANGLE, LIGHT_WORDS, NONE, SKEWED_BIT, TWO_SIDED_BIT,
 };
 use super::scene_buffers::{Word, bits, word};
 use crate::accel::PrimitiveGeometry;
@@ -55,16 +54,8 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
                 words[0][3] |= map.map_or(0, |map| map + 1) << EMISSION_SHIFT;
                 words
             }
-            Emitter::Delta(mut light) => {
-                *light.strength_mut() *= per_unit;
-                delta_light(&light, samples)
-            }
-            Emitter::Sun(sun) => [
-                word(sun.towards, LIGHT_DIRECTIONAL),
-                word(DVec3::ZERO, samples),
-                word(DVec3::new(sun.height, 0.0, 0.0), 0),
-                word(sun.radiance * per_unit, 0),
-            ],
+            Emitter::Delta(light) => surfaceless_light(light, per_unit, samples),
+            Emitter::Sun(sun) => surfaceless_light(Light::Sun(sun), per_unit, samples),
             Emitter::Environment => [
                 [0, 0, 0, LIGHT_ENVIRONMENT],
                 [0, 0, 0, samples],
@@ -146,47 +137,16 @@ fn area_light(
     ]
 }
 
-/// Largest reciprocal of a spot's falloff range: equal angles make a step.
-const SPOT_STEP: f64 = 1_048_576.0;
-
-fn delta_light(light: &Light, samples: u32) -> [Word; 4] {
-    match *light {
-        Light::Point {
-            position,
-            intensity,
-        } => [
-            word(position, LIGHT_POINT),
-            word(DVec3::ZERO, samples),
-            [0; 4],
-            word(intensity, 0),
-        ],
-        Light::Spot {
-            position,
-            direction,
-            intensity,
-            inner_angle,
-            outer_angle,
-        } => {
-            let (inner, outer) = (inner_angle.cos(), outer_angle.cos());
-            let inv_range = (1.0 / (inner - outer).max(1.0 / SPOT_STEP)).min(SPOT_STEP);
-            [
-                word(position, LIGHT_SPOT),
-                word(direction, samples),
-                word(DVec3::new(outer, inv_range, 0.0), 0),
-                word(intensity, 0),
-            ]
-        }
-        Light::Directional {
-            direction,
-            irradiance,
-        } => [
-            word(-direction, LIGHT_DIRECTIONAL),
-            word(DVec3::ZERO, samples),
-            [0; 4],
-            word(irradiance, 0),
-        ],
-        Light::Sun { .. } => unreachable!("suns are emitters of their own"),
-    }
+fn surfaceless_light(mut light: Light, per_unit: f64, samples: u32) -> [Word; 4] {
+    *light.strength_mut() *= per_unit;
+    let record = light.record();
+    let [a, u, v] = record.vectors;
+    [
+        word(a, record.kind),
+        word(u, samples),
+        word(v, 0),
+        word(record.radiance, 0),
+    ]
 }
 
 /// Threshold, alias, and `density` of the index itself and of its alias.

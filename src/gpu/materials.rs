@@ -8,7 +8,7 @@ use super::layout::{
 use super::scene_buffers::{Word, bits, word};
 use super::textures::Atlas;
 use crate::prepare::Prepared;
-use crate::scene::light::Interpolation;
+use crate::scene::environment::Interpolation;
 use crate::scene::material::{BsdfParameters, Fresnel};
 use crate::scene::{Bsdf, Geometry, Material, Scene, TextureUse, Wrap};
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! The value of a texture between and beyond its texels.
 
-use super::light::Interpolation;
+use super::environment::Interpolation;
 use super::texture::{Texture, TextureUse, Wrap};
 use glam::{DVec2, DVec4};
 

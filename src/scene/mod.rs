@@ -9,12 +9,13 @@ pub mod camera;
 mod choice;
 pub mod ellipsoid;
 pub mod enlarge;
+pub mod environment;
 pub mod expect;
 pub mod filter;
 pub mod fresnel;
 pub mod ids;
-pub mod light;
 pub mod light_groups;
+pub mod lights;
 pub mod load;
 pub mod lookup;
 pub mod material;
@@ -23,6 +24,7 @@ pub mod normalize;
 pub mod opacity;
 mod range;
 pub mod refine;
+mod rgb;
 pub mod settings;
 pub mod shadow_rays;
 pub mod shape;
@@ -32,11 +34,12 @@ mod view;
 
 pub use aov::{Aov, Aovs};
 pub use camera::{Camera, FilmSize, Lens, Projection};
+pub use environment::{Environment, EnvironmentMap, EnvironmentRadiance};
 pub use expect::{Expect, ExpectedRadiance};
 pub use filter::PixelFilter;
 pub use ids::{MaterialId, ShapeId, TextureId};
-pub use light::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
 pub use light_groups::LightGroups;
+pub use lights::{DirectionalLight, Light, PointLight, SpotLight, SunLight};
 pub use material::{Bsdf, Material};
 pub use opacity::Opacity;
 pub use settings::{LightSampling, LightSelection, RenderSettings, Sampler, Strategy};
@@ -80,7 +83,7 @@ impl Scene {
     /// as many as there are shadow rays, where the strategy samples them; lights without a surface, which nothing else
     /// reaches, have one.
     pub fn samples_of_all_lights(&self, settings: &RenderSettings) -> u64 {
-        let is_sun = |light: &&Light| matches!(light, Light::Sun { .. });
+        let is_sun = |light: &&Light| matches!(light, Light::Sun(_));
         let suns = self.lights.iter().filter(is_sun).count() as u64;
         let mut samples = self.lights.len() as u64 - suns;
         if settings.strategy.samples_lights() {

@@ -1,7 +1,6 @@
 //! Whether the numbers of a valid scene are still finite once it is moved, scaled and rounded to f32.
 
 use super::ellipsoid::PrincipalAxes;
-use super::light::sun_radiance;
 use super::normalize::{Normalization, bounds};
 use super::{Environment, EnvironmentRadiance, Geometry, Lens, Light, Projection, Scene, Shape};
 use crate::error::InputError;
@@ -179,37 +178,16 @@ impl Range<'_> {
     }
 
     fn light(&self, light: &Light, field: &str) -> Outcome {
-        match *light {
-            Light::Point {
-                position,
-                intensity,
-            }
-            | Light::Spot {
-                position,
-                intensity,
-                ..
-            } => {
-                self.near(position, || format!("{field}.position"))?;
-                let normalized = self.normalization.intensity(intensity);
-                let unit = " in units of the scene's size";
-                self.bright(normalized, || format!("{field}.intensity"), unit)
-            }
-            Light::Directional { irradiance, .. } => {
-                self.bright(irradiance, || format!("{field}.irradiance"), "")
-            }
-            Light::Sun {
-                irradiance,
-                angular_radius,
-                ..
-            } => {
-                let radiance = sun_radiance(irradiance, angular_radius);
-                self.bright(
-                    radiance,
-                    || format!("{field}.irradiance"),
-                    " in its radiance",
-                )
-            }
+        if let Some(position) = light.position() {
+            self.near(position, || format!("{field}.position"))?;
         }
+        let normalized = light.normalized(&self.normalization);
+        let (power, unit) = match (normalized.radiance(), normalized.position()) {
+            (Some(radiance), _) => (radiance, " in its radiance"),
+            (None, Some(_)) => (normalized.strength(), " in units of the scene's size"),
+            (None, None) => (normalized.strength(), ""),
+        };
+        self.bright(power, || format!("{field}.{}", light.strength_key()), unit)
     }
 
     fn environment(&self, environment: &Environment) -> Outcome {

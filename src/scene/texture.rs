@@ -1,7 +1,7 @@
 //! Images that vary what a surface does over it.
 
+use super::environment::Interpolation;
 use super::ids::TextureId;
-use super::light::Interpolation;
 use glam::{DAffine2, DVec2, DVec3, DVec4};
 use half::f16;
 use schemars::JsonSchema;

@@ -6,18 +6,16 @@ mod materials;
 mod view;
 
 use super::ellipsoid::PrincipalAxes;
-use super::light::MIN_SUN;
 use super::light_groups::MAX_LIGHT_GROUPS;
 use super::range;
 use super::settings::MAX_SPECULAR_DEPTH;
 use super::shadow_rays::{MAX_LIGHT_SAMPLES, MAX_SHADOW_RAYS};
 use super::{
     Emission, Environment, EnvironmentRadiance, Expect, ExpectedRadiance, FilmSize, Geometry,
-    Light, LightGroups, LightSelection, Material, Mesh, RenderSettings, Scene, Shape,
+    LightGroups, LightSelection, Material, Mesh, RenderSettings, Scene, Shape,
 };
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
-use std::f64::consts::FRAC_PI_2;
 
 /// Checks a whole scene: every number in its domain, every index in range, no geometry without extent.
 ///
@@ -38,7 +36,10 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
         check.shape(shape, &scene.materials)?;
     }
     for (index, light) in scene.lights.iter().enumerate() {
-        check.light(light, &format!("lights[{index}]"))?;
+        let field = format!("lights[{index}]");
+        light
+            .check()
+            .map_err(|fault| fault.at(&scene.source, &field))?;
     }
     if let Some(environment) = &scene.environment {
         check.environment(environment)?;
@@ -225,81 +226,6 @@ impl Check<'_> {
             || format!("is {value}"),
             "finite numbers, not negative",
         )
-    }
-
-    fn light(&self, light: &Light, field: &str) -> Outcome {
-        let point = |p: DVec3, key: &str| {
-            let problem = || format!("is {p}");
-            self.require(
-                p.is_finite(),
-                || format!("{field}.{key}"),
-                problem,
-                "a finite point",
-            )
-        };
-        let unit = |d: DVec3| {
-            self.require(
-                (d.length() - 1.0).abs() < 1e-6,
-                || format!("{field}.direction"),
-                || format!("is {d}"),
-                "a unit vector",
-            )
-        };
-        match *light {
-            Light::Point {
-                position,
-                intensity,
-            } => {
-                point(position, "position")?;
-                self.power(intensity, || format!("{field}.intensity"))
-            }
-            Light::Spot {
-                position,
-                direction,
-                intensity,
-                inner_angle,
-                outer_angle,
-            } => {
-                point(position, "position")?;
-                unit(direction)?;
-                self.power(intensity, || format!("{field}.intensity"))?;
-                self.require(
-                    outer_angle > 0.0 && outer_angle <= FRAC_PI_2,
-                    || format!("{field}.outer"),
-                    || format!("is {}", outer_angle.to_degrees()),
-                    "a half angle above 0 and up to 90 degrees",
-                )?;
-                self.require(
-                    (0.0..=outer_angle).contains(&inner_angle),
-                    || format!("{field}.inner"),
-                    || format!("is {}", inner_angle.to_degrees()),
-                    "a half angle from 0 to `outer`",
-                )
-            }
-            Light::Directional {
-                direction,
-                irradiance,
-            } => {
-                unit(direction)?;
-                self.power(irradiance, || format!("{field}.irradiance"))
-            }
-            Light::Sun {
-                direction,
-                irradiance,
-                angular_radius,
-            } => {
-                unit(direction)?;
-                self.power(irradiance, || format!("{field}.irradiance"))?;
-                let diameter = 2.0 * angular_radius.to_degrees();
-                self.require(
-                    // Converting degrees to radians and back rounds.
-                    (MIN_SUN * (1.0 - 1e-12)..=FRAC_PI_2).contains(&angular_radius),
-                    || format!("{field}.angular_diameter"),
-                    || format!("is {diameter}"),
-                    "0, or 0.001 to 180 degrees",
-                )
-            }
-        }
     }
 
     fn environment(&self, environment: &Environment) -> Outcome {

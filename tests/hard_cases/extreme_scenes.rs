@@ -7,7 +7,7 @@ use crate::support::{
 };
 use direkt::gpu::Context;
 use direkt::render::Film;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{
     Camera, EnvironmentRadiance, FilmSize, Geometry, Mesh, Projection, Scene, Shape, Strategy,
     Texels, Texture, TextureId, TextureUse, Wrap,

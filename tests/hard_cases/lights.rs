@@ -7,9 +7,10 @@ use crate::support::shader::{Function, call, call_in, draw, words};
 use crate::support::{context, edge_points, floor_pixel, point_light, prepared_for, shape};
 use direkt::gpu::Context;
 use direkt::prepare::Prepared;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{
-    Environment, EnvironmentMap, EnvironmentRadiance, Geometry, Light, LightSelection, Strategy,
+    DirectionalLight, Environment, EnvironmentMap, EnvironmentRadiance, Geometry, Light,
+    LightSelection, Strategy,
 };
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
@@ -207,10 +208,10 @@ fn roof(height: f64) -> Prepared {
         v: DVec3::Y * (2.0 * height),
     };
     scene.shapes.push(shape("roof", square));
-    scene.lights = vec![Light::Directional {
+    scene.lights = vec![Light::Directional(DirectionalLight {
         direction: -DVec3::Z,
         irradiance: DVec3::ONE,
-    }];
+    })];
     prepared_for(scene, Strategy::LightArea, LightSelection::Uniform)
 }
 
@@ -302,7 +303,7 @@ fn every_sample_of_a_constant_map_is_the_same() {
     let function = Function {
         imports: "import package::core::constants::PI;
             import package::core::pdf::PdfDiscrete;
-            import package::light::light::{pdf_environment, sample_environment};",
+            import package::light::environment::{pdf_environment, sample_environment};",
         body: &body,
         inputs: 0,
         outputs: 3,

@@ -8,7 +8,8 @@ use direkt::prepare::{Prepared, SceneData};
 use direkt::render::{Film, Session};
 use direkt::scene::normalize::Normalization;
 use direkt::scene::{
-    FilmSize, Geometry, Light, LightSampling, LightSelection, Projection, Sampler, Scene, Strategy,
+    FilmSize, Geometry, Light, LightSampling, LightSelection, PointLight, Projection, Sampler,
+    Scene, SpotLight, Strategy,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -64,15 +65,15 @@ fn mapped(
     }
     let square = length(1.0) * length(1.0);
     for light in &mut scene.lights {
-        if let Light::Point {
+        if let Light::Point(PointLight {
             position,
             intensity,
-        }
-        | Light::Spot {
+        })
+        | Light::Spot(SpotLight {
             position,
             intensity,
             ..
-        } = light
+        }) = light
         {
             (*position, *intensity) = (point(*position), *intensity * square);
         }

@@ -11,8 +11,8 @@ use direkt::gpu::Context;
 use direkt::prepare::Prepared;
 use direkt::reference::exact::rectangle::parallel_rectangle;
 use direkt::scene::{
-    Camera, FilmSize, Geometry, Light, LightSampling, LightSelection, Mesh, Sampler, Scene,
-    Strategy,
+    Camera, DirectionalLight, FilmSize, Geometry, Light, LightSampling, LightSelection, Mesh,
+    Sampler, Scene, Strategy,
 };
 use glam::{DQuat, DVec3};
 
@@ -143,10 +143,10 @@ fn plane(distance: f64) -> Scene {
         v: turn * (2000.0 * DVec3::Y),
     };
     let (sin, cos) = 89.0_f64.to_radians().sin_cos();
-    scene.lights.push(Light::Directional {
+    scene.lights.push(Light::Directional(DirectionalLight {
         direction: turn * -DVec3::new(0.6 * sin, 0.8 * sin, cos),
         irradiance: DVec3::ONE,
-    });
+    }));
     let eye = turn * (distance * DVec3::new(0.48, -0.36, 0.8));
     scene.camera = Camera::look_at(eye, DVec3::ZERO, turn * DVec3::Z, 0.01).unwrap();
     scene.film = FilmSize {

@@ -9,7 +9,7 @@ use crate::support::{context, floor_pixel, prepared_for, scene, statistics};
 use direkt::emitters::EnvironmentGrid;
 use direkt::prepare::Prepared;
 use direkt::render::Film;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{
     Bsdf, EnvironmentRadiance, ExpectedRadiance, FilmSize, LightSelection, Scene, Strategy,
 };

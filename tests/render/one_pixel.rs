@@ -4,7 +4,7 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::{STRATEGIES, assert_pixel, context, floor_pixel, render, scene};
 use direkt::gpu::Context;
 use direkt::render::Pixel;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{Environment, EnvironmentMap, EnvironmentRadiance, FilmSize, Scene};
 use glam::{DMat3, DVec3};
 

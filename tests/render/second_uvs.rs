@@ -3,7 +3,7 @@
 use crate::support::every_kind::constant_environment;
 use crate::support::{assert_pixel, context, floor_pixel, lambert, prepared, render, shape};
 use direkt::effects::Effect;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{
     EnvironmentRadiance, Geometry, Mesh, Opacity, Scene, Texels, Texture, TextureId, TextureUse,
     Wrap,

@@ -9,8 +9,8 @@ use direkt::reference::exact::cubature::{Tolerance, integrate};
 use direkt::render::{Check, Film, Session};
 use direkt::scene::Projection;
 use direkt::scene::{
-    ExpectedRadiance, FilmSize, Geometry, Light, LightSelection, Sampler, Scene, ShadowGrid,
-    ShadowPattern, Strategy,
+    DirectionalLight, ExpectedRadiance, FilmSize, Geometry, Light, LightSelection, Sampler, Scene,
+    ShadowGrid, ShadowPattern, Strategy,
 };
 use direkt::stats::moments::Moments;
 use direkt::stats::t_test::one_sample;
@@ -182,10 +182,10 @@ fn four_lights() -> (Scene, f64) {
     let heights = [1.0, 2.0, 3.0];
     let points = heights.map(|z| point_light(DVec3::new(0.0, 0.0, z), 10.0));
     scene.lights = points.into();
-    scene.lights.push(Light::Directional {
+    scene.lights.push(Light::Directional(DirectionalLight {
         direction: -DVec3::Z,
         irradiance: DVec3::splat(2.0),
-    });
+    }));
     scene.render.strategy = Strategy::LightArea;
     let irradiance = heights.iter().map(|z| 10.0 / (z * z)).sum::<f64>() + 2.0;
     (scene, 0.5 / PI * irradiance)

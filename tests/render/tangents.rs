@@ -2,9 +2,10 @@
 
 use crate::support::{assert_pixel, context, floor_pixel, lambert, prepared, render, shape};
 use direkt::effects::Effect;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{
-    Camera, Geometry, Light, Mesh, NormalMap, Scene, Texels, Texture, TextureId, TextureUse, Wrap,
+    Camera, DirectionalLight, Geometry, Light, Mesh, NormalMap, Scene, Texels, Texture, TextureId,
+    TextureUse, Wrap,
 };
 use glam::{DAffine2, DVec2, DVec3};
 use std::f64::consts::PI;
@@ -48,10 +49,10 @@ fn floor(tangent: DVec3, sense: f64, towards: DVec3) -> Scene {
         scale: 1.0,
     });
     scene.materials = vec![material];
-    scene.lights = vec![Light::Directional {
+    scene.lights = vec![Light::Directional(DirectionalLight {
         direction: -towards,
         irradiance: DVec3::splat(2.0 * PI),
-    }];
+    })];
     scene.render.spp = 4;
     scene
 }

@@ -5,7 +5,9 @@ use super::textures::{png, with_texture};
 use crate::support::shared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::material::DielectricLayer;
-use direkt::scene::{Bsdf, Geometry, Light, Mesh, Projection, Scene};
+use direkt::scene::{
+    Bsdf, DirectionalLight, Geometry, Light, Mesh, PointLight, Projection, Scene, SpotLight,
+};
 use glam::DVec3;
 use serde_json::json;
 
@@ -187,26 +189,26 @@ fn cameras_and_lights_look_along_minus_z() {
     assert!((scene.camera.half_height() - 0.25_f64.tan()).abs() < 1e-12);
     assert_eq!(
         scene.lights[0],
-        Light::Point {
+        Light::Point(PointLight {
             position: DVec3::new(1.0, 2.0, 3.0),
             intensity: DVec3::new(40.0, 20.0, 10.0)
-        }
+        })
     );
-    let Light::Directional {
+    let Light::Directional(DirectionalLight {
         direction,
         irradiance,
-    } = scene.lights[1]
+    }) = scene.lights[1]
     else {
         panic!("a directional light")
     };
     assert!(direction.distance(DVec3::NEG_Y) < 1e-7);
     assert_eq!(irradiance, DVec3::splat(1000.0));
-    let Light::Spot {
+    let Light::Spot(SpotLight {
         direction,
         inner_angle,
         outer_angle,
         ..
-    } = scene.lights[2]
+    }) = scene.lights[2]
     else {
         panic!("a spot light")
     };
@@ -348,7 +350,7 @@ fn khronos_samples_load() {
     )
     .unwrap_or_else(|e| panic!("{e}"));
     assert!(
-        matches!(depth.lights[0], Light::Directional { irradiance, .. } if irradiance == DVec3::splat(6830.0))
+        matches!(depth.lights[0], Light::Directional(DirectionalLight { irradiance, .. }) if irradiance == DVec3::splat(6830.0))
     );
     insta::assert_snapshot!(depth.warnings.join("\n"));
 }

@@ -1,7 +1,7 @@
 //! glTF nodes: which are shown, how often, and what their transforms may be.
 
 use super::builder::{Builder, CORNERS, TRIANGLE, bytes, mesh_of, triangles_of};
-use direkt::scene::{Light, Projection};
+use direkt::scene::{Light, PointLight, Projection};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_1_SQRT_2;
@@ -201,10 +201,10 @@ fn point_lights_have_no_direction() {
     let intensity = DVec3::ONE;
     assert_eq!(
         scene.lights,
-        [Light::Point {
+        [Light::Point(PointLight {
             position,
             intensity
-        }]
+        })]
     );
     builder.json["extensions"]["KHR_lights_punctual"]["lights"][0]["type"] = json!("directional");
     assert_eq!(

@@ -1,7 +1,7 @@
 //! Textures, vertex normals and texture coordinates from files.
 
 use super::files::{Folder, load_gltf, triangle_gltf, with};
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{Bsdf, Geometry, Mesh, Scene, Texels, Wrap};
 use glam::{DVec2, DVec3};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgb};

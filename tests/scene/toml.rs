@@ -3,7 +3,8 @@
 use super::files::{Folder, load_toml};
 use direkt::scene::load::{LoadOptions, schema};
 use direkt::scene::{
-    Bsdf, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Projection, Scene,
+    Bsdf, DirectionalLight, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, PointLight,
+    Projection, Scene, SpotLight,
 };
 use glam::DVec3;
 
@@ -211,23 +212,23 @@ fn lights_and_environment() {
     );
     assert_eq!(
         scene.lights[0],
-        Light::Point {
+        Light::Point(PointLight {
             position: DVec3::new(3.0, 0.0, 4.0),
             intensity: DVec3::splat(100.0)
-        }
+        })
     );
-    let Light::Spot {
+    let Light::Spot(SpotLight {
         direction,
         inner_angle,
         outer_angle,
         ..
-    } = scene.lights[1]
+    }) = scene.lights[1]
     else {
         panic!("a spot light")
     };
     assert!(near(direction, DVec3::NEG_Y));
     assert!((inner_angle - outer_angle).abs() < 1e-15);
-    let Light::Directional { direction, .. } = scene.lights[2] else {
+    let Light::Directional(DirectionalLight { direction, .. }) = scene.lights[2] else {
         panic!("a directional light")
     };
     assert!(near(direction, DVec3::NEG_Y));

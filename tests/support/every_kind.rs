@@ -1,11 +1,11 @@
 //! A scene with every kind of primitive, material and light.
 
 use super::{emitter, floor_pixel, lambert, point_light, shape};
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::material::DielectricLayer;
 use direkt::scene::{
-    Bsdf, Emission, Environment, EnvironmentMap, EnvironmentRadiance, Geometry, Light, Material,
-    MaterialId, Mesh, Scene, Shape,
+    Bsdf, DirectionalLight, Emission, Environment, EnvironmentMap, EnvironmentRadiance, Geometry,
+    Light, Material, MaterialId, Mesh, Scene, Shape, SpotLight,
 };
 use glam::{DMat3, DVec3};
 
@@ -115,17 +115,17 @@ pub fn every_kind(environment: Environment) -> Scene {
     }
     scene.lights = vec![
         point_light(DVec3::new(0.5, 0.3, 1.5), 3.0),
-        Light::Spot {
+        Light::Spot(SpotLight {
             position: DVec3::new(-0.7, -0.5, 2.5),
             direction: DVec3::new(0.2, 0.1, -1.0).normalize(),
             intensity: DVec3::new(5.0, 4.0, 3.0),
             inner_angle: 0.3,
             outer_angle: 0.7,
-        },
-        Light::Directional {
+        }),
+        Light::Directional(DirectionalLight {
             direction: DVec3::new(0.3, -0.4, -1.0).normalize(),
             irradiance: DVec3::new(1.0, 1.5, 2.0),
-        },
+        }),
     ];
     scene.environment = Some(environment);
     scene

@@ -20,8 +20,8 @@ use direkt::render::{Film, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
     Bsdf, Camera, Emission, FilmSize, Geometry, Light, LightGroups, LightSelection, Material,
-    MaterialId, MaterialTextures, Opacity, PixelFilter, RenderSettings, Sampler, Scene, Shape,
-    Strategy,
+    MaterialId, MaterialTextures, Opacity, PixelFilter, PointLight, RenderSettings, Sampler, Scene,
+    Shape, Strategy,
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
@@ -231,10 +231,10 @@ pub fn floor_pixel() -> Scene {
 
 /// A point light.
 pub fn point_light(position: DVec3, intensity: f64) -> Light {
-    Light::Point {
+    Light::Point(PointLight {
         position,
         intensity: DVec3::splat(intensity),
-    }
+    })
 }
 
 /// Asserts that the one pixel of `film` is `expected` in every channel, as tests of the family with the pixel's own

@@ -12,10 +12,10 @@ use direkt::reference::core::ray::{Hit, Ray};
 use direkt::reference::core::rng::{pcg4d, to_unit, to_unit_2d};
 use direkt::reference::kernel::direct::{choose_direction, hemisphere};
 use direkt::reference::light::alias_table::Choice;
-use direkt::reference::light::area_light::{LightSample, pdf_area_light};
-use direkt::reference::light::light::{
-    choose_light, emitted_radiance, environment_radiance, pdf_environment, sample_chosen_light,
-};
+use direkt::reference::light::area_light::pdf_area_light;
+use direkt::reference::light::environment::{environment_radiance, pdf_environment};
+use direkt::reference::light::light::{choose_light, emitted_radiance, sample_chosen_light};
+use direkt::reference::light::sample::LightSample;
 use direkt::reference::light::sphere::sample_sphere_area;
 use direkt::reference::light::sun::{is_in_sun, pdf_sun, suns};
 use direkt::reference::light::tree::choose_tree_light;

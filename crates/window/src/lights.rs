@@ -1,6 +1,6 @@
 //! Lights, switched and dimmed in the window.
 
-use direkt::scene::{EnvironmentRadiance, Light, Scene};
+use direkt::scene::{EnvironmentRadiance, Scene};
 use std::collections::BTreeMap;
 use toml_edit::{DocumentMut, Item, Value};
 
@@ -53,12 +53,7 @@ impl Lights {
             .map(|(i, shape)| Switch::new(Which::Shape(i), shape.name.clone()))
             .collect();
         all.extend(scene.lights.iter().enumerate().map(|(i, light)| {
-            let kind = match light {
-                Light::Point { .. } => "point",
-                Light::Spot { .. } => "spot",
-                Light::Directional { .. } => "directional",
-                Light::Sun { .. } => "sun",
-            };
+            let kind = light.name();
             Switch::new(Which::Light(i), format!("lights[{i}]: {kind}"))
         }));
         let environment = scene.environment.as_ref().map(|e| match &e.radiance {

@@ -1,8 +1,8 @@
 //! Every number of a scene, to be replaced by any other: scenes that no file could describe, for `validate`.
 
 use direkt::scene::{
-    Bsdf, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Material, Projection, Scene,
-    Shape,
+    Bsdf, DirectionalLight, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Material,
+    PointLight, Projection, Scene, Shape, SpotLight, SunLight,
 };
 use glam::DVec3;
 
@@ -158,38 +158,38 @@ impl<F: FnMut(f64) -> f64> Visitor<'_, F> {
 
     fn light(&mut self, light: &mut Light) {
         match light {
-            Light::Point {
+            Light::Point(PointLight {
                 position,
                 intensity,
-            } => {
+            }) => {
                 self.vector(position);
                 self.vector(intensity);
             }
-            Light::Spot {
+            Light::Spot(SpotLight {
                 position,
                 direction,
                 intensity,
                 inner_angle,
                 outer_angle,
-            } => {
+            }) => {
                 [position, direction, intensity]
                     .into_iter()
                     .for_each(|x| self.vector(x));
                 self.number(inner_angle);
                 self.number(outer_angle);
             }
-            Light::Directional {
+            Light::Directional(DirectionalLight {
                 direction,
                 irradiance,
-            } => {
+            }) => {
                 self.vector(direction);
                 self.vector(irradiance);
             }
-            Light::Sun {
+            Light::Sun(SunLight {
                 direction,
                 irradiance,
                 angular_radius,
-            } => {
+            }) => {
                 self.vector(direction);
                 self.vector(irradiance);
                 self.number(angular_radius);

@@ -4,7 +4,7 @@ use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
 use direkt::prepare::Prepared;
 use direkt::scene::validate::validate;
-use direkt::scene::{EnvironmentRadiance, Light, Scene};
+use direkt::scene::{EnvironmentRadiance, Scene};
 use glam::DVec3;
 
 /// Whether `scene` is valid, and fit for the GPU for that reason.
@@ -65,24 +65,13 @@ fn lights(prepared: &Prepared) -> Result<(), String> {
         match *light {
             Emitter::Area { radiance, .. } => finite("radiance", radiance)?,
             Emitter::Environment => {}
-            Emitter::Delta(Light::Point {
-                position,
-                intensity,
-            })
-            | Emitter::Delta(Light::Spot {
-                position,
-                intensity,
-                ..
-            }) => {
-                small("position of a light", position)?;
-                finite("intensity", intensity)?;
+            Emitter::Delta(light) => {
+                if let Some(position) = light.position() {
+                    small("position of a light", position)?;
+                }
+                finite("strength of a light", light.strength())?;
             }
-            Emitter::Delta(
-                Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. },
-            ) => {
-                finite("irradiance", irradiance)?;
-            }
-            Emitter::Sun(sun) => finite("radiance of a sun", sun.radiance)?,
+            Emitter::Sun(sun) => finite("radiance of a sun", sun.radiance())?,
         }
     }
     let lit = !prepared.emitters.lights.is_empty();

@@ -161,30 +161,21 @@ impl TreeLight {
 
     /// A light without a surface; `None` for one that is infinitely far away.
     pub fn delta(index: u32, light: &Light) -> Option<Self> {
-        let (position, intensity, normals, emission) = match *light {
-            Light::Point {
-                position,
-                intensity,
-            } => (position, intensity, Cone::SPHERE, FRAC_PI_2),
-            Light::Spot {
-                position,
-                direction,
-                intensity,
-                inner_angle,
-                outer_angle,
-            } => {
+        let position = light.position()?;
+        let (normals, emission) = match light.spread() {
+            Some(spread) => {
                 let normals = Cone {
-                    axis: direction,
-                    angle: inner_angle,
+                    axis: spread.axis,
+                    angle: spread.full_angle,
                 };
-                (position, intensity, normals, outer_angle - inner_angle)
+                (normals, spread.falloff_angle)
             }
-            Light::Directional { .. } | Light::Sun { .. } => return None,
+            None => (Cone::SPHERE, FRAC_PI_2),
         };
         let bounds = LightBounds {
             low: position,
             high: position,
-            intensity: luminance(intensity),
+            intensity: luminance(light.strength()),
             normals,
             emission,
             two_sided: false,

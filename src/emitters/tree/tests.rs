@@ -4,7 +4,7 @@ use super::*;
 use crate::accel::PrimitiveGeometry;
 use crate::reference::core::rng::{pcg4d, to_unit};
 use crate::reference::light::tree::pdf_tree_light;
-use crate::scene::Light;
+use crate::scene::{Light, PointLight, SpotLight};
 use glam::DVec3;
 
 /// Random numbers of [0, 1), one after the other.
@@ -69,21 +69,21 @@ fn light(random: &mut Random, index: u32) -> TreeLight {
             radius: size,
         },
         4 => {
-            let light = Light::Point {
+            let light = Light::Point(PointLight {
                 position: a,
                 intensity: DVec3::splat(random.unit() + 1e-6),
-            };
+            });
             return TreeLight::delta(index, &light).unwrap();
         }
         _ => {
             let outer_angle = random.range(0.01, 1.5);
-            let light = Light::Spot {
+            let light = Light::Spot(SpotLight {
                 position: a,
                 direction: random.direction(),
                 intensity: DVec3::splat(random.unit() + 1e-6),
                 inner_angle: outer_angle * random.unit(),
                 outer_angle,
-            };
+            });
             return TreeLight::delta(index, &light).unwrap();
         }
     };
@@ -125,10 +125,10 @@ fn every_trail_ends_at_its_light() {
 #[test]
 fn trees_are_never_deeper_than_a_trail() {
     let at = |index: u32, position: DVec3| {
-        let light = Light::Point {
+        let light = Light::Point(PointLight {
             position,
             intensity: DVec3::ONE,
-        };
+        });
         TreeLight::delta(index, &light).unwrap()
     };
     let place: [fn(u32) -> DVec3; 3] = [
@@ -208,13 +208,13 @@ fn lights_that_cannot_contribute_have_none() {
         };
         TreeLight::area(index, &PrimitiveGeometry::Rectangle { a, u, v }, 1.0, false)
     };
-    let spot = Light::Spot {
+    let spot = Light::Spot(SpotLight {
         position: DVec3::new(0.5, 0.0, 0.5),
         direction: DVec3::X,
         intensity: DVec3::ONE,
         inner_angle: 0.1,
         outer_angle: 0.2,
-    };
+    });
     let lights = [
         lamp(0, DVec3::new(0.0, 0.0, 0.5), DVec3::Z),
         lamp(1, DVec3::new(0.3, 0.0, -0.5), DVec3::Z),

@@ -77,7 +77,7 @@ mod tests {
     use crate::reference::core::frame::frame_from_normal;
     use crate::scene::ellipsoid::half_extent;
     use crate::scene::load::{LoadOptions, load};
-    use crate::scene::{ExpectedRadiance, Geometry, Light, Scene};
+    use crate::scene::{DirectionalLight, ExpectedRadiance, Geometry, Light, Scene};
 
     fn maps() -> [DMat3; 5] {
         let turn = rotation(DVec3::new(0.3, -0.5, 0.2));
@@ -198,10 +198,10 @@ mod tests {
             );
         }
         let (scene, _, axes, mean) = scene("ellipsoid_outline_and_shadow.toml");
-        let Light::Directional {
+        let Light::Directional(DirectionalLight {
             direction,
             irradiance,
-        } = scene.lights[0]
+        }) = scene.lights[0]
         else {
             panic!("a directional light");
         };
@@ -217,7 +217,7 @@ mod tests {
     #[test]
     fn the_shadow_of_the_scene_lies_apart_and_in_view() {
         let (scene, center, axes, _) = scene("ellipsoid_outline_and_shadow.toml");
-        let Light::Directional { direction, .. } = scene.lights[0] else {
+        let Light::Directional(DirectionalLight { direction, .. }) = scene.lights[0] else {
             panic!("a directional light");
         };
         let half = half_extent(axes);

@@ -18,8 +18,8 @@ use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::Crossings;
 use crate::reference::scene::surface::{Surface, surface_at};
 use crate::reference::scene::trace::{any_hit, closest_hit};
-use crate::scene::Light;
 use crate::scene::material::{BsdfParameters, Fresnel, SpecularLobe};
+use crate::scene::{DirectionalLight, Light, PointLight, SpotLight};
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
@@ -45,6 +45,11 @@ pub enum NotExact {
         "there is a sun; exact irradiance is known for polygons and lights without extent only"
     )]
     Sun,
+    /// A light without extent of a kind that is not treated here.
+    #[error(
+        "there is a light of the kind {0}; exact irradiance is known for polygons, point, spot and directional lights only"
+    )]
+    Light(&'static str),
     /// Emission that varies over a light.
     #[error("{0} emits a texture; exact irradiance is known for constant radiance only")]
     EmissiveTexture(String),
@@ -94,9 +99,14 @@ impl<'a> ExactScene<'a> {
         {
             return Err(NotExact::Environment);
         }
-        let mut lights = world.prepared.emitters.lights.iter();
-        if lights.any(|light| matches!(light, Emitter::Sun(_))) {
-            return Err(NotExact::Sun);
+        for light in &world.prepared.emitters.lights {
+            match light {
+                Emitter::Sun(_) => return Err(NotExact::Sun),
+                Emitter::Delta(Light::Point(_) | Light::Spot(_) | Light::Directional(_))
+                | Emitter::Area { .. }
+                | Emitter::Environment => {}
+                Emitter::Delta(other) => return Err(NotExact::Light(other.name())),
+            }
         }
         if let Some(map) = world.prepared.emitters.maps.first() {
             let shape = &world.prepared.data.scene.shapes[map.shape.index()];
@@ -233,34 +243,34 @@ impl<'a> ExactScene<'a> {
         let n = s.frame.z;
         // Direction to the light, the end of the shadow ray, and irradiance per unit of the light's colour.
         let (towards, end, irradiance, colour) = match *light {
-            Light::Point {
+            Light::Point(PointLight {
                 position,
                 intensity,
-            } => {
+            }) => {
                 let e = point_irradiance(s.position, n, position, 1.0);
                 (position - s.position, position, e, intensity)
             }
-            Light::Spot {
+            Light::Spot(SpotLight {
                 position,
                 direction,
                 intensity,
                 inner_angle,
                 outer_angle,
-            } => {
+            }) => {
                 let towards = position - s.position;
                 let cosine = -towards.normalize_or_zero().dot(direction);
                 let falloff = spot_falloff(cosine, inner_angle.cos(), outer_angle.cos());
                 let e = falloff * point_irradiance(s.position, n, position, 1.0);
                 (towards, position, e, intensity)
             }
-            Light::Directional {
+            Light::Directional(DirectionalLight {
                 direction,
                 irradiance,
-            } => {
+            }) => {
                 let e = directional_irradiance(n, -direction, 1.0);
                 (-direction, s.position - 4.0 * direction, e, irradiance)
             }
-            Light::Sun { .. } => unreachable!("suns are emitters of their own"),
+            other => unreachable!("{} is refused in `new`", other.name()),
         };
         let ray = Ray {
             origin: s.origin,

@@ -11,9 +11,10 @@ use crate::reference::core::rng::{to_unit, to_unit_2d};
 use crate::reference::light::area_light::{pdf_area_light, pdf_light_area};
 use crate::reference::light::ellipsoid::Ellipsoid;
 use crate::reference::light::emission::{emission_cell_margin, emission_map, invert_light_area};
-use crate::reference::light::light::{
-    emitted_radiance, environment_cell_margin, environment_radiance, pdf_environment,
+use crate::reference::light::environment::{
+    environment_cell_margin, environment_radiance, pdf_environment,
 };
+use crate::reference::light::light::emitted_radiance;
 use crate::reference::light::sun::{is_in_sun, pdf_sun, sun_margin, suns};
 use crate::reference::scene::opacity::Crossings;
 use crate::reference::scene::surface::{Surface, is_above, surface_at};
@@ -74,7 +75,7 @@ impl Direct<'_> {
             let margin = &mut sample.conditions.cell_margin;
             *margin = margin.min(sun_margin(&sun, direction));
             if is_in_sun(&sun, direction) {
-                sum += sun.radiance * self.bsdf_weight(pdf, pdf_sun(&sun, selection));
+                sum += sun.radiance() * self.bsdf_weight(pdf, pdf_sun(&sun, selection));
             }
         }
         sum

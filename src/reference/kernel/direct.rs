@@ -28,10 +28,10 @@ use crate::reference::core::sampler::{
     GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, Numbers, SampleId,
 };
 use crate::reference::light::alias_table::Choice;
-use crate::reference::light::area_light::LightSample;
 use crate::reference::light::ellipsoid::Ellipsoid;
 use crate::reference::light::light::{choose_light, own_samples, sample_chosen_light};
 use crate::reference::light::opacity::light_opacity;
+use crate::reference::light::sample::LightSample;
 use crate::reference::light::tree::choose_tree_light;
 use crate::reference::scene::fetch::World;
 use crate::reference::scene::opacity::{Crossings, RAY_BSDF, RAY_SHADOW};

@@ -8,6 +8,7 @@ use super::rectangle::{
     pdf_rectangle_area, sample_parallelogram_solid_angle, sample_rectangle_area,
     sample_rectangle_solid_angle, spherical_parallelogram, spherical_rectangle,
 };
+use super::sample::LightSample;
 use super::sphere::{
     cone_height, distance_within_sphere, pdf_sphere_area, sample_cone, sample_sphere_area,
     within_sphere,
@@ -32,41 +33,6 @@ use crate::reference::scene::fetch::World;
 use crate::reference::scene::surface::OFFSET;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
-
-/// A direction towards a light, seen from a point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LightSample {
-    /// Unit direction.
-    pub wi: DVec3,
-    /// Where the shadow ray ends: off the light, towards the point.
-    pub target_point: DVec3,
-    /// Radiance divided by the density of this sample, light selection included (for lights without extent:
-    /// irradiance on a surface that faces the light, divided by the probability of the light); 0 where nothing
-    /// arrives.
-    pub radiance_over_pdf: DVec3,
-    /// Density with which the sample was chosen, light selection included; 0 for lights without extent.
-    pub pdf: PdfSolidAngle,
-    /// Density of a uniform point on the light's surface, or with which one was chosen on the unit square of the
-    /// environment's directions, without light selection; none for lights that have neither.
-    pub pdf_on_light: Option<PdfArea>,
-    /// Cosine at the light; 1 where it has no surface.
-    pub cos_light: f64,
-    /// Whether only light sampling can reach the light.
-    pub delta: bool,
-}
-
-/// A sample from which nothing arrives.
-pub fn no_light() -> LightSample {
-    LightSample {
-        wi: DVec3::Z,
-        target_point: DVec3::ZERO,
-        radiance_over_pdf: DVec3::ZERO,
-        pdf: PdfSolidAngle(0.0),
-        pdf_on_light: None,
-        cos_light: 1.0,
-        delta: false,
-    }
-}
 
 /// Solid angles below this are sampled by area.
 pub const MIN_SOLID_ANGLE: f64 = 1e-5;
@@ -356,14 +322,14 @@ pub fn sample_area_light(
         Some((wi, pdf)) => {
             let point = point_in_direction(&light.geometry, x, wi);
             let Some(point) = point.filter(|_| pdf.0 > 0.0) else {
-                return no_light();
+                return LightSample::NONE;
             };
             (point, wi, Some(pdf))
         }
         None => {
             let point = sample_area(&light.geometry, u);
             let Some(wi) = (point.position - x).try_normalize() else {
-                return no_light();
+                return LightSample::NONE;
             };
             (point, wi, None)
         }
@@ -383,7 +349,7 @@ pub fn sample_textured_light(
 ) -> LightSample {
     let point = sample_area(&light.geometry, u);
     let Some(wi) = (point.position - x).try_normalize() else {
-        return no_light();
+        return LightSample::NONE;
     };
     let st = sample_light_area(&light.geometry, u);
     let here = AreaLight {
@@ -410,7 +376,7 @@ fn light_sample(
         signed_cos
     };
     if cos_light <= 0.0 {
-        return no_light();
+        return LightSample::NONE;
     }
     let towards_x = if signed_cos > 0.0 {
         point.normal

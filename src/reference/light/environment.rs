@@ -1,7 +1,14 @@
-//! The latitude-longitude environment map; see `shaders/light/environment.wesl`.
+//! The environment; see `shaders/light/environment.wesl`.
 
+use super::alias_table::alias_choice;
+use super::sample::{FAR, LightSample};
+use super::sphere::sample_sphere_area;
+use crate::emitters::Emitter;
 use crate::reference::core::math::{angle_of, sin_cos_two_pi};
-use crate::reference::core::pdf::{PdfDiscrete, PdfSolidAngle};
+use crate::reference::core::pdf::{PdfArea, PdfDiscrete, PdfSolidAngle, chosen};
+use crate::reference::scene::fetch::World;
+use crate::scene::environment::Interpolation;
+use crate::scene::{Environment, EnvironmentMap, EnvironmentRadiance};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -88,5 +95,147 @@ pub fn bilinear_texels(position: DVec2, [width, height]: [u32; 2]) -> BilinearTe
         top: row(low.y),
         bottom: row(low.y + 1.0),
         blend: p - low,
+    }
+}
+
+fn environment<'a>(world: &World<'a>) -> &'a Environment {
+    let environment = world.prepared.data.scene.environment.as_ref();
+    environment.expect("only a scene with an environment asks for it")
+}
+
+fn texel(map: &EnvironmentMap, column: u32, row: u32) -> DVec3 {
+    let rgb = map.texels[row as usize * map.width as usize + column as usize];
+    DVec3::from_array(rgb.map(f64::from))
+}
+
+/// Radiance of `map` at image coordinates in [0, 1]².
+fn map_radiance(map: &EnvironmentMap, image: DVec2) -> DVec3 {
+    let position = image * DVec2::new(f64::from(map.width), f64::from(map.height));
+    match map.interpolation {
+        Interpolation::Linear => {
+            let n = bilinear_texels(position, [map.width, map.height]);
+            let top = texel(map, n.left, n.top).lerp(texel(map, n.right, n.top), n.blend.x);
+            let left = texel(map, n.left, n.bottom);
+            let bottom = left.lerp(texel(map, n.right, n.bottom), n.blend.x);
+            top.lerp(bottom, n.blend.y)
+        }
+        Interpolation::Nearest => texel(
+            map,
+            (position.x as u32).min(map.width - 1),
+            (position.y as u32).min(map.height - 1),
+        ),
+    }
+}
+
+/// Radiance that arrives from the environment in the unit direction `direction`; 0 where there is none.
+pub fn environment_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
+    let Some(environment) = &world.prepared.data.scene.environment else {
+        return DVec3::ZERO;
+    };
+    if !environment_light(world).is_none_or(|index| world.shines(index)) {
+        return DVec3::ZERO;
+    }
+    let to_map = environment.rotation.transpose();
+    environment.scale
+        * match &environment.radiance {
+            EnvironmentRadiance::Constant(radiance) => *radiance,
+            EnvironmentRadiance::Map(map) => {
+                map_radiance(map, map_from_direction(to_map * direction))
+            }
+        }
+}
+
+/// Probability that light selection chooses the environment.
+fn environment_selection(world: &World<'_>) -> PdfDiscrete {
+    let probability = |i| world.prepared.emitters.probability(i);
+    PdfDiscrete(environment_light(world).map_or(0.0, probability))
+}
+
+/// The environment's place among the lights.
+fn environment_light(world: &World<'_>) -> Option<usize> {
+    let mut lights = world.prepared.emitters.lights.iter();
+    lights.position(|l| *l == Emitter::Environment)
+}
+
+/// The cell of the environment's sampling grid in the unit direction `direction`, and its probability; `None` where the
+/// environment has no map.
+fn environment_cell(world: &World<'_>, direction: DVec3) -> Option<([u32; 2], PdfDiscrete)> {
+    let grid = world.prepared.emitters.environment.as_ref()?;
+    let [width, height] = grid.size;
+    let image = map_from_direction(environment(world).rotation.transpose() * direction);
+    let column = ((image.x * f64::from(width)) as u32).min(width - 1);
+    let row = ((image.y * f64::from(height)) as u32).min(height - 1);
+    let p = grid.table.probability[row as usize * width as usize + column as usize];
+    Some(([column, row], PdfDiscrete(p)))
+}
+
+/// Angle between `direction` and the edge of its cell of the environment's sampling grid; π where there is no map.
+pub fn environment_cell_margin(world: &World<'_>, direction: DVec3) -> f64 {
+    let Some(grid) = &world.prepared.emitters.environment else {
+        return PI;
+    };
+    let image = map_from_direction(environment(world).rotation.transpose() * direction);
+    let cells = DVec2::new(f64::from(grid.size[0]), f64::from(grid.size[1]));
+    let margin = (image * cells - (image * cells).round()).abs() / cells;
+    let sin_polar = (PI * image.y).sin();
+    f64::min(margin.x * 2.0 * PI * sin_polar, margin.y * PI)
+}
+
+/// Density of a cell with probability `p` on the unit square of the environment's image.
+fn pdf_on_image(p: PdfDiscrete, [width, height]: [u32; 2]) -> PdfArea {
+    PdfArea(p.0 * f64::from(width) * f64::from(height))
+}
+
+/// Density of [`sample_environment`] in the unit direction `direction`: probability of the environment, density on its
+/// image, and per solid angle with light selection included.
+pub fn pdf_environment(
+    world: &World<'_>,
+    direction: DVec3,
+) -> (PdfDiscrete, Option<PdfArea>, PdfSolidAngle) {
+    let selection = environment_selection(world);
+    let grid = world.prepared.emitters.environment.as_ref();
+    let (on_image, pdf) = match (grid, environment_cell(world, direction)) {
+        (Some(grid), Some((cell, p))) => (
+            Some(pdf_on_image(p, grid.size)),
+            pdf_environment_cell(p, cell[1], grid.size),
+        ),
+        _ => (Some(PdfArea(1.0)), PdfSolidAngle(1.0 / (4.0 * PI))),
+    };
+    (selection, on_image, chosen(selection, pdf))
+}
+
+/// A direction towards the environment, in proportion to the luminance of its map.
+pub fn sample_environment(
+    world: &World<'_>,
+    selection: PdfDiscrete,
+    x: DVec3,
+    u: DVec2,
+    texel: u32,
+) -> LightSample {
+    let (direction, on_image, pdf) = match &world.prepared.emitters.environment {
+        Some(grid) => {
+            let choice = alias_choice(texel, &grid.table);
+            let cell = [choice.index % grid.size[0], choice.index / grid.size[0]];
+            (
+                environment(world).rotation * sample_environment_cell(cell, grid.size, u),
+                Some(pdf_on_image(choice.probability, grid.size)),
+                pdf_environment_cell(choice.probability, cell[1], grid.size),
+            )
+        }
+        None => (
+            sample_sphere_area(u),
+            Some(PdfArea(1.0)),
+            PdfSolidAngle(1.0 / (4.0 * PI)),
+        ),
+    };
+    let pdf = chosen(selection, pdf);
+    LightSample {
+        wi: direction,
+        target_point: x + direction * FAR,
+        radiance_over_pdf: environment_radiance(world, direction) / pdf.0.max(1e-30),
+        pdf,
+        pdf_on_light: on_image,
+        cos_light: 1.0,
+        delta: false,
     }
 }

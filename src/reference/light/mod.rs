@@ -6,14 +6,17 @@
 
 pub mod alias_table;
 pub mod area_light;
+pub mod directional;
 pub mod disk;
 pub mod ellipsoid;
 pub mod emission;
 pub mod environment;
 pub mod light;
 pub mod opacity;
+pub mod point;
 pub mod polygon;
 pub mod rectangle;
+pub mod sample;
 pub mod sphere;
 pub mod spot;
 pub mod sun;

@@ -4,7 +4,7 @@ use super::decode::{Wanted, decode};
 use super::files;
 use crate::error::InputError;
 use crate::scene::EnvironmentMap;
-use crate::scene::light::Interpolation;
+use crate::scene::environment::Interpolation;
 use std::path::Path;
 
 /// Longest side of a map.

@@ -3,7 +3,7 @@
 use crate::scene::ellipsoid::half_extent;
 use crate::scene::normalize::Normalization;
 use crate::scene::refine::coarse_shapes;
-use crate::scene::{Bsdf, EnvironmentRadiance, Geometry, Light, Scene, Shape};
+use crate::scene::{Bsdf, EnvironmentRadiance, Geometry, Scene, Shape};
 use glam::DVec3;
 
 /// Largest coordinate of a sphere over its distance from what is in view: rays leave it 2⁻²⁰ of that coordinate off it, at this
@@ -57,17 +57,9 @@ fn brightness(scene: &Scene, normalization: &Normalization) -> Vec<Brightness> {
         found.extend(of_shape(scene, shape, normalization));
     }
     for (index, light) in scene.lights.iter().enumerate() {
-        let (key, strength) = match light {
-            Light::Point { intensity, .. } | Light::Spot { intensity, .. } => {
-                ("intensity", normalization.intensity(*intensity))
-            }
-            Light::Directional { irradiance, .. } | Light::Sun { irradiance, .. } => {
-                ("irradiance", *irradiance)
-            }
-        };
         found.push(Brightness {
-            name: format!("lights[{index}].{key}"),
-            most: strength.max_element(),
+            name: format!("lights[{index}].{}", light.strength_key()),
+            most: light.normalized(normalization).strength().max_element(),
         });
     }
     if let Some(environment) = &scene.environment {

@@ -8,7 +8,7 @@ use direkt::prepare::Prepared;
 use direkt::reference::core::rng::to_unit;
 use direkt::reference::core::sampler::{Numbers, SampleId};
 use direkt::reference::kernel::shadow_rays::{ShadowRays, grid_point};
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{LightSelection, Sampler, ShadowGrid, ShadowPattern, Strategy};
 use direkt::stats::chi2::{Totals, chi2_test};
 use glam::DVec2;

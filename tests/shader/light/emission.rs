@@ -13,7 +13,7 @@ use direkt::reference::light::emission::{
     sample_emission,
 };
 use direkt::reference::scene::fetch::World;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{
     Geometry, LightSelection, Mesh, Scene, Strategy, Texels, Texture, TextureId, TextureUse, Wrap,
 };

@@ -6,7 +6,7 @@ use crate::support::{context, lambert, prepared_for, scene};
 use direkt::effects::Effect;
 use direkt::reference::light::opacity::light_opacity;
 use direkt::reference::scene::fetch::World;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{Emission, Geometry, LightSelection, MaterialId, Opacity, Scene, Strategy};
 use glam::{DMat3, DVec3};
 

@@ -9,10 +9,9 @@ use direkt::prepare::Prepared;
 use direkt::reference::BrokenTwin;
 use direkt::reference::core::frame::{frame_from_normal, to_local};
 use direkt::reference::core::pdf::PdfDiscrete;
-use direkt::reference::light::light::sample_sun;
-use direkt::reference::light::sun::{pdf_sun, sun_margin, suns, suns_radiance};
+use direkt::reference::light::sun::{pdf_sun, sample_sun, sun_margin, suns, suns_radiance};
 use direkt::reference::scene::fetch::World;
-use direkt::scene::{Light, LightSelection, Strategy};
+use direkt::scene::{Light, LightSelection, Strategy, SunLight};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -25,11 +24,11 @@ fn prepared() -> Prepared {
         (DVec3::new(0.5, 0.5, -1.0), 20.0),
         (DVec3::new(0.6, 0.4, -1.0), 170.0),
     ] {
-        scene.lights.push(Light::Sun {
+        scene.lights.push(Light::Sun(SunLight {
             direction: direction.normalize(),
             irradiance: DVec3::new(3.0, 2.0, 1.0),
             angular_radius: 0.5 * f64::to_radians(degrees),
-        });
+        }));
     }
     prepared_for(scene, Strategy::MisPower, LightSelection::Uniform)
 }
@@ -130,20 +129,20 @@ fn sun_samples_follow_their_density() {
             .flat_map(|_| [index, uniform(), uniform()])
             .collect();
         let answers = call_in(context, &prepared, &function, &inputs, DRAWN);
-        let around = frame_from_normal(sun.towards);
+        let around = frame_from_normal(-sun.direction);
         let samples: Vec<DVec2> = answers
             .vec3(0)
             .map(|wi| {
                 let local = to_local(&around, wi);
-                let height = 0.5 * (wi - sun.towards).length_squared();
+                let height = 0.5 * (wi + sun.direction).length_squared();
                 // Rounding puts the outermost beyond the edge.
-                DVec2::new(local.y.atan2(local.x), (height / sun.height).min(1.0))
+                DVec2::new(local.y.atan2(local.x), (height / sun.height()).min(1.0))
             })
             .collect();
         let low = DVec2::new(-PI, 0.0);
         let high = DVec2::new(PI, 1.0);
         let per_cell = |pdf: f64| {
-            let density = pdf * sun.height;
+            let density = pdf * sun.height();
             histogram::p_value(&samples, low, high, |_| density)
         };
         let pdf = pdf_sun(&sun, PdfDiscrete(1.0)).0;
@@ -153,7 +152,8 @@ fn sun_samples_follow_their_density() {
             BrokenTwin::PdfScaled => Some(per_cell(1.02 * pdf)),
             // Per area of the disk in the sky, seen face on.
             BrokenTwin::WrongMeasure if index == 3 => {
-                let flat = |p: DVec2| (1.0 - p.y * sun.height) / (TAU * (1.0 - 0.5 * sun.height));
+                let flat =
+                    |p: DVec2| (1.0 - p.y * sun.height()) / (TAU * (1.0 - 0.5 * sun.height()));
                 Some(histogram::p_value(&samples, low, high, flat))
             }
             _ => None,
@@ -177,10 +177,10 @@ fn suns_shine_where_they_are() {
     let mut random = Random::new(73);
     let mut directions: Vec<DVec3> = (0..20_000).map(|_| random.direction()).collect();
     for (sun, _) in suns(&world) {
-        let size = sun.height.sqrt();
+        let size = sun.height().sqrt();
         directions.extend((0..20_000).map(|_| {
             let off = random.direction() * random.between(0.0, 3.0 * size);
-            (sun.towards + off).normalize()
+            (off - sun.direction).normalize()
         }));
     }
     let directions: Vec<DVec3> = directions.iter().map(|d| d.as_vec3().as_dvec3()).collect();

@@ -12,7 +12,9 @@ use direkt::reference::light::ellipsoid::Ellipsoid;
 use direkt::reference::light::tree::{
     TreeChild, TreeWalk, cosine_bound, decode_axis, decode_child, tree_importance,
 };
-use direkt::scene::{Geometry, Light, LightSelection, MaterialId, Mesh, Scene, Strategy};
+use direkt::scene::{
+    Geometry, Light, LightSelection, MaterialId, Mesh, Scene, SpotLight, Strategy,
+};
 use glam::DVec3;
 
 mod choice;
@@ -42,13 +44,13 @@ fn scene_of(count: u32, seed: u32) -> Scene {
         lamp.material = MaterialId(2);
         scene.shapes.push(lamp);
         let outer_angle = random.between(0.05, 1.4);
-        scene.lights.push(Light::Spot {
+        scene.lights.push(Light::Spot(SpotLight {
             position: 4.0 * random.in_cube(),
             direction: random.direction().normalize(),
             intensity: DVec3::splat(random.magnitude(0.01, 10.0)),
             inner_angle: outer_angle * random.uniform(),
             outer_angle,
-        });
+        }));
     }
     scene
 }

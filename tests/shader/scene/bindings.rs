@@ -8,7 +8,7 @@ use crate::support::shader::{Function, call_in};
 use direkt::gpu::layout::MATERIAL_WORDS;
 use direkt::gpu::{GpuScene, SceneBuffers, frame_of};
 use direkt::scene::EnvironmentRadiance;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 
 #[test]
 fn the_frame_is_the_hosts() {
@@ -105,7 +105,7 @@ fn texels_are_the_maps() {
     let context = context();
     let prepared = prepared(every_kind(environment_map(Interpolation::Nearest)));
     let function = Function {
-        imports: "import package::light::light::environment_texel;",
+        imports: "import package::light::environment::environment_texel;",
         body: "out_vec3f(0u, environment_texel(item % 31u, item / 31u));",
         outputs: 3,
         ..Function::default()

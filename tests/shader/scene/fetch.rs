@@ -8,14 +8,14 @@ use direkt::accel::PrimitiveGeometry;
 use direkt::emitters::Emitter;
 use direkt::gpu::layout::{
     FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK, KIND_DISK,
-    KIND_ELLIPSOID, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DIRECTIONAL, LIGHT_DISK,
-    LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE,
-    NONE, THIN_BIT,
+    KIND_ELLIPSOID, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DISK, LIGHT_ENVIRONMENT,
+    LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, THIN_BIT,
 };
 use direkt::prepare::Prepared;
 use direkt::reference::scene::fetch::World;
-use direkt::scene::Light;
+use direkt::scene::lights::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LIGHT_SUN};
 use direkt::scene::material::Fresnel;
+use direkt::scene::{DirectionalLight, Light, PointLight, SpotLight};
 use glam::DVec3;
 
 fn item<T>(mut values: impl Iterator<Item = T>, i: usize) -> T {
@@ -212,17 +212,17 @@ fn lights_come_back() {
                 };
                 (kind, two_sided, geometry.area(), [a, u, v, radiance])
             }
-            Emitter::Delta(Light::Point {
+            Emitter::Delta(Light::Point(PointLight {
                 position,
                 intensity,
-            }) => (LIGHT_POINT, false, 0.0, [position, zero, zero, intensity]),
-            Emitter::Delta(Light::Spot {
+            })) => (LIGHT_POINT, false, 0.0, [position, zero, zero, intensity]),
+            Emitter::Delta(Light::Spot(SpotLight {
                 position,
                 direction,
                 intensity,
                 inner_angle,
                 outer_angle,
-            }) => {
+            })) => {
                 let range = inner_angle.cos() - outer_angle.cos();
                 let cone = DVec3::new(outer_angle.cos(), 1.0 / range, 0.0);
                 (
@@ -232,21 +232,21 @@ fn lights_come_back() {
                     [position, direction, cone, intensity],
                 )
             }
-            Emitter::Delta(Light::Directional {
+            Emitter::Delta(Light::Directional(DirectionalLight {
                 direction,
                 irradiance,
-            }) => (
+            })) => (
                 LIGHT_DIRECTIONAL,
                 false,
                 0.0,
                 [-direction, zero, zero, irradiance],
             ),
-            Emitter::Delta(Light::Sun { .. }) => unreachable!("suns are emitters of their own"),
+            Emitter::Delta(Light::Sun(_)) => unreachable!("suns are emitters of their own"),
             Emitter::Sun(sun) => (
-                LIGHT_DIRECTIONAL,
+                LIGHT_SUN,
                 false,
                 0.0,
-                [sun.towards, zero, along_x(sun.height), sun.radiance],
+                [-sun.direction, zero, along_x(sun.height()), sun.radiance()],
             ),
             Emitter::Environment => (LIGHT_ENVIRONMENT, false, 0.0, [zero; 4]),
         };

@@ -67,7 +67,7 @@ fn textured() -> Prepared {
         .materials
         .iter_mut()
         .find_map(|m| m.opacity.texture.as_mut());
-    texture.expect("a texture").interpolation = direkt::scene::light::Interpolation::Linear;
+    texture.expect("a texture").interpolation = direkt::scene::environment::Interpolation::Linear;
     prepared(scene)
 }
 

@@ -5,7 +5,7 @@ use crate::support::random::Random;
 use crate::support::shader::{Function, call, words};
 use direkt::gpu::layout::NEAREST_BIT;
 use direkt::reference::scene::texture::{footprint, wrap_coordinate, wrap_texel};
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::scene::{TextureId, TextureUse, Wrap};
 use glam::{DAffine2, DMat2, DVec2};
 

@@ -250,7 +250,7 @@ pub fn why_not(strategy: Strategy, emitters: &Emitters) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use direkt::scene::Light;
+    use direkt::scene::{Light, PointLight};
     use glam::DVec3;
 
     fn emitters(lights: Vec<Emitter>) -> Emitters {
@@ -262,10 +262,10 @@ mod tests {
 
     #[test]
     fn directions_do_not_meet_points() {
-        let point = Emitter::Delta(Light::Point {
+        let point = Emitter::Delta(Light::Point(PointLight {
             position: DVec3::ZERO,
             intensity: DVec3::ONE,
-        });
+        }));
         let points = emitters(vec![point, point]);
         let reason = why_not(Strategy::Bsdf, &points).expect("it is of no use");
         assert!(reason.starts_with("all 2 lights"), "{reason}");

@@ -3,7 +3,7 @@
 use super::document::Document;
 use super::nodes::Placed;
 use crate::error::InputError;
-use crate::scene::Light;
+use crate::scene::{DirectionalLight, Light, PointLight, SpotLight};
 use glam::{DAffine3, DVec3};
 use gltf::json::extensions::scene::khr_lights_punctual as khr;
 use gltf::json::validation::Checked;
@@ -69,23 +69,23 @@ fn convert(
         || direction.ok_or_else(|| refuse("its transform leaves its light no direction"));
     let power = power(document, light, field)?;
     match light.type_ {
-        Checked::Valid(khr::Type::Point) => Ok(Light::Point {
+        Checked::Valid(khr::Type::Point) => Ok(Light::Point(PointLight {
             position,
             intensity: power,
-        }),
-        Checked::Valid(khr::Type::Directional) => Ok(Light::Directional {
+        })),
+        Checked::Valid(khr::Type::Directional) => Ok(Light::Directional(DirectionalLight {
             direction: direction()?,
             irradiance: power,
-        }),
+        })),
         Checked::Valid(khr::Type::Spot) => {
             let (inner_angle, outer_angle) = cone(document, light, field)?;
-            Ok(Light::Spot {
+            Ok(Light::Spot(SpotLight {
                 position,
                 direction: direction()?,
                 intensity: power,
                 inner_angle,
                 outer_angle,
-            })
+            }))
         }
         Checked::Invalid => Err(document.error(
             format!("{field}.type"),

@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use crate::error::InputError;
-use crate::scene::light::Interpolation;
+use crate::scene::environment::Interpolation;
 use crate::scene::load::texture::{Meaning, Textures};
 use crate::scene::{TextureUse, Wrap};
 use glam::{DAffine2, DMat2, DVec2};

@@ -1,7 +1,7 @@
 //! From the materials of a library to direkt's; `docs/materials.md` has the table.
 
 use super::find;
-use crate::scene::light::Interpolation;
+use crate::scene::environment::Interpolation;
 use crate::scene::load::files::{self, Folders};
 use crate::scene::load::text;
 use crate::scene::load::texture::{Meaning, Textures};

@@ -1,8 +1,9 @@
 //! The `[expect]` table.
 
 use super::build::Context;
-use super::format::{ExpectTable, Rgb};
+use super::format::ExpectTable;
 use crate::error::InputError;
+use crate::scene::rgb::Rgb;
 use crate::scene::{Expect, ExpectedRadiance, FilmSize};
 use glam::DVec3;
 

@@ -1,8 +1,10 @@
 //! The types of a scene file. Their doc comments are the descriptions in the JSON Schema.
 
 use crate::scene::RenderSettings;
+use crate::scene::environment::Interpolation;
 use crate::scene::filter::FilterKind;
-use crate::scene::light::Interpolation;
+use crate::scene::lights::LightKeys;
+use crate::scene::rgb::Rgb;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -113,23 +115,6 @@ impl Default for FilmTable {
     }
 }
 
-/// Three numbers [r, g, b], or one for all.
-#[derive(Debug, Clone, Copy, JsonSchema)]
-#[schemars(untagged)]
-#[expect(
-    dead_code,
-    reason = "the variants describe the two spellings to the schema"
-)]
-enum RgbSpelling {
-    Grey(f64),
-    Rgb([f64; 3]),
-}
-
-/// A linear RGB value.
-#[derive(Debug, Clone, Copy, PartialEq, JsonSchema)]
-#[schemars(transparent)]
-pub(super) struct Rgb(#[schemars(with = "RgbSpelling")] pub(super) [f64; 3]);
-
 /// A glTF file to include.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -149,69 +134,9 @@ pub(super) struct GltfTable {
 pub(super) struct LightTable {
     /// Its kind.
     #[schemars(flatten)]
-    pub(super) kind: LightKind,
+    pub(super) kind: LightKeys,
     /// Group in which its light is kept apart by the AOV `light-groups`; `default` when left out.
     pub(super) group: Option<String>,
-}
-
-/// Kinds of lights without a surface.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-#[schemars(tag = "type")]
-pub(super) enum LightKind {
-    /// Radiates equally from a point.
-    Point(PointTable),
-    /// A point light restricted to a cone.
-    Spot(SpotTable),
-    /// Infinitely far away.
-    Directional(DirectionalTable),
-}
-
-/// A point light.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct PointTable {
-    /// Where it is.
-    pub(super) position: [f64; 3],
-    /// Radiant intensity, not negative.
-    pub(super) intensity: Rgb,
-}
-
-/// A spot light: `direction` or `target`.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SpotTable {
-    /// Where it is.
-    pub(super) position: [f64; 3],
-    /// Axis of the cone, away from the light.
-    pub(super) direction: Option<[f64; 3]>,
-    /// A point on the axis, instead of `direction`.
-    pub(super) target: Option<[f64; 3]>,
-    /// Radiant intensity on the axis, not negative.
-    pub(super) intensity: Rgb,
-    /// Half angle of full intensity in degrees, from 0 to `outer`; 0 when left out.
-    #[serde(default)]
-    pub(super) inner: f64,
-    /// Half angle beyond which there is none, in degrees, above 0 and up to 90; 45 when left out.
-    #[serde(default = "forty_five")]
-    pub(super) outer: f64,
-}
-
-fn forty_five() -> f64 {
-    45.0
-}
-
-/// A directional light.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DirectionalTable {
-    /// The direction in which the light travels.
-    pub(super) direction: [f64; 3],
-    /// Irradiance on a surface that faces it, not negative.
-    pub(super) irradiance: Rgb,
-    /// The angle in degrees under which it is seen, 0.001 to 180: a disk in the sky (the sun: 0.53); 0 is a point.
-    #[serde(default)]
-    pub(super) angular_diameter: f64,
 }
 
 /// Light from everywhere: `radiance` or `file`.

@@ -1,12 +1,13 @@
 //! The types of a scene file's materials. Their doc comments are the descriptions in the JSON Schema.
 
-use super::format::Rgb;
 use super::format_shapes::one;
 use super::format_textures::TexturesTable;
 use crate::scene::material::DielectricLayer;
 use crate::scene::metals::Metal;
+use crate::scene::rgb::Rgb;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use strum::VariantNames;
 
 /// A material.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -35,7 +36,8 @@ fn yes() -> bool {
 }
 
 /// How a material scatters.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Deserialize, JsonSchema, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub(super) enum MaterialKind {

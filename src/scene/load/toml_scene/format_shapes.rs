@@ -1,9 +1,10 @@
 //! The types of a scene file's shapes and transforms. Their doc comments are descriptions in the JSON Schema.
 
-use super::format::Rgb;
 use super::format_textures::TextureTable;
+use crate::scene::rgb::Rgb;
 use schemars::JsonSchema;
 use serde::Deserialize;
+use strum::VariantNames;
 
 /// A surface.
 #[derive(Debug, Deserialize, JsonSchema)]
@@ -25,7 +26,8 @@ pub(super) struct ShapeTable {
 }
 
 /// Geometry; the front is the side that the normal points to.
-#[derive(Debug, Deserialize, JsonSchema)]
+#[derive(Debug, Deserialize, JsonSchema, VariantNames)]
+#[strum(serialize_all = "kebab-case")]
 #[serde(rename_all = "kebab-case")]
 #[schemars(tag = "type")]
 pub(super) enum ShapeKind {

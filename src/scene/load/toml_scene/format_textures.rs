@@ -1,7 +1,7 @@
 //! The types of a material's textures. Their doc comments are the descriptions in the JSON Schema.
 
 use crate::scene::Wrap;
-use crate::scene::light::Interpolation;
+use crate::scene::environment::Interpolation;
 use schemars::JsonSchema;
 use serde::Deserialize;
 

@@ -1,11 +1,15 @@
 //! From text to the types of [`mod@super::format`] and [`super::format_shapes`], with errors that name the line and the field.
 
-use super::format::{Rgb, SceneFile};
-use super::format_shapes::Scale;
+use super::format::SceneFile;
+use super::format_materials::MaterialKind;
+use super::format_shapes::{Scale, ShapeKind};
 use crate::error::InputError;
-use serde::de::{Deserialize, Deserializer, Error as _, SeqAccess, Visitor};
+use crate::scene::lights::LightKeys;
+use crate::scene::rgb::OneOrThree;
+use serde::de::{Deserialize, Deserializer};
 use serde_path_to_error::Segment;
 use std::path::Path;
+use strum::VariantNames;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
@@ -77,14 +81,15 @@ fn tag(
     Ok(())
 }
 
-fn known_types(list: &str) -> &'static str {
-    match list {
-        "materials" => {
-            "type = \"lambert\", \"mirror\", \"dielectric\", \"conductor\", \"plastic\" or \"metallic-roughness\""
-        }
-        "shapes" => "type = \"rectangle\", \"box\", \"sphere\", \"disk\" or \"mesh\"",
-        _ => "type = \"point\", \"spot\" or \"directional\"",
-    }
+fn known_types(list: &str) -> String {
+    let names = match list {
+        "materials" => MaterialKind::VARIANTS,
+        "shapes" => ShapeKind::VARIANTS,
+        _ => LightKeys::VARIANTS,
+    };
+    let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    let (last, others) = quoted.split_last().expect("there is a type");
+    format!("type = {} or {last}", others.join(", "))
 }
 
 /// One step of the way to a field.
@@ -250,50 +255,6 @@ fn refuse_non_finite(
         _ => {}
     }
     Ok(())
-}
-
-/// Reads one number for all three, or three.
-struct OneOrThree(&'static str);
-
-impl<'de> Visitor<'de> for OneOrThree {
-    type Value = [f64; 3];
-
-    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(self.0)
-    }
-
-    fn visit_f64<E>(self, v: f64) -> Result<Self::Value, E> {
-        Ok([v; 3])
-    }
-
-    fn visit_i64<E>(self, v: i64) -> Result<Self::Value, E> {
-        Ok([v as f64; 3])
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-        let mut values = [0.0; 3];
-        for (i, value) in values.iter_mut().enumerate() {
-            *value = seq
-                .next_element()?
-                .ok_or_else(|| A::Error::invalid_length(i, &self))?;
-        }
-        let mut length = 3;
-        while seq.next_element::<serde::de::IgnoredAny>()?.is_some() {
-            length += 1;
-        }
-        if length == 3 {
-            Ok(values)
-        } else {
-            Err(A::Error::invalid_length(length, &self))
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Rgb {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let visitor = OneOrThree("three numbers [r, g, b], or one for all");
-        Ok(Self(deserializer.deserialize_any(visitor)?))
-    }
 }
 
 impl<'de> Deserialize<'de> for Scale {

@@ -9,7 +9,7 @@ use direkt::reference::BrokenTwin;
 use direkt::reference::core::pdf::PdfDiscrete;
 use direkt::reference::light::environment::pdf_environment_cell;
 use direkt::scene::EnvironmentMap;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use direkt::stats::chi2::{Totals, chi2_test};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};

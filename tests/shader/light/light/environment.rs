@@ -9,14 +9,13 @@ use crate::support::{context, histogram, statistics};
 use direkt::emitters::Emitter;
 use direkt::reference::BrokenTwin;
 use direkt::reference::broken::BROKEN_TWINS;
-use direkt::reference::light::environment::map_from_direction;
-use direkt::reference::light::light::{
-    environment_cell_margin, environment_radiance, pdf_environment,
+use direkt::reference::light::environment::{
+    environment_cell_margin, environment_radiance, map_from_direction, pdf_environment,
 };
 use direkt::reference::light::sphere::sample_sphere_area;
 use direkt::reference::scene::fetch::World;
 use direkt::scene::LightSampling;
-use direkt::scene::light::Interpolation;
+use direkt::scene::environment::Interpolation;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 

@@ -10,12 +10,13 @@ use direkt::emitters::Emitter;
 use direkt::gpu::Context;
 use direkt::prepare::Prepared;
 use direkt::reference::core::frame::{ShadingFrame, frame_from_normal};
-use direkt::reference::light::area_light::LightSample;
 use direkt::reference::light::environment::map_from_direction;
 use direkt::reference::light::light::emitted_radiance;
+use direkt::reference::light::sample::LightSample;
 use direkt::reference::scene::fetch::World;
 use direkt::scene::{
-    Environment, EnvironmentRadiance, Light, LightSampling, LightSelection, Strategy,
+    Environment, EnvironmentRadiance, Light, LightSampling, LightSelection, PointLight, SpotLight,
+    Strategy,
 };
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -30,8 +31,8 @@ const IMPORTS: &str = "import package::core::frame::frame_from_normal;
     import package::core::ray::Ray;
     import package::core::rng::{pcg4d, to_unit_2d};
     import package::light::alias_table::Choice;
-    import package::light::light::{
-        choose_light, emitted_radiance, environment_radiance, pdf_environment, sample_chosen_light};
+    import package::light::environment::{environment_radiance, pdf_environment};
+    import package::light::light::{choose_light, emitted_radiance, sample_chosen_light};
     import package::light::area_light::pdf_area_light;
     import package::scene::fetch::{LIGHT_ENVIRONMENT, fetch_light};
     import package::scene::surface::surface_at;
@@ -66,13 +67,13 @@ fn place(prepared: &Prepared, light: &Emitter) -> (DVec3, DVec3, f64) {
                 }
             }
         }
-        Emitter::Delta(Light::Point { position, .. }) => (position, -DVec3::Z, 0.2),
-        Emitter::Delta(Light::Spot {
+        Emitter::Delta(Light::Point(PointLight { position, .. })) => (position, -DVec3::Z, 0.2),
+        Emitter::Delta(Light::Spot(SpotLight {
             position,
             direction,
             ..
-        }) => (position, direction, 0.2),
-        Emitter::Delta(Light::Directional { .. } | Light::Sun { .. })
+        })) => (position, direction, 0.2),
+        Emitter::Delta(Light::Directional(_) | Light::Sun(_))
         | Emitter::Sun(_)
         | Emitter::Environment => (DVec3::ZERO, DVec3::Z, 0.2),
     }

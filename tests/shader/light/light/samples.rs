@@ -13,10 +13,11 @@ use direkt::prepare::Prepared;
 use direkt::reference::core::pdf::PdfDiscrete;
 use direkt::reference::light::alias_table::Choice;
 use direkt::reference::light::ellipsoid::Ellipsoid;
-use direkt::reference::light::light::{environment_cell_margin, sample_chosen_light};
+use direkt::reference::light::environment::environment_cell_margin;
+use direkt::reference::light::light::sample_chosen_light;
 use direkt::reference::scene::fetch::World;
-use direkt::scene::light::Interpolation;
-use direkt::scene::{Light, LightSampling};
+use direkt::scene::environment::Interpolation;
+use direkt::scene::{Light, LightSampling, PointLight, SpotLight};
 use glam::{DVec2, DVec3};
 
 /// One item: which light with which probability, from where, and the random numbers.
@@ -128,12 +129,12 @@ fn light_samples_are_the_twins() {
             );
             let absolute = match light {
                 // f² of the falloff: twice the error of the cosine over the range of cosines.
-                Emitter::Delta(Light::Spot {
+                Emitter::Delta(Light::Spot(SpotLight {
                     inner_angle,
                     outer_angle,
                     intensity,
                     ..
-                }) => {
+                })) => {
                     let range = inner_angle.cos() - outer_angle.cos();
                     let d2 = (s.target_point - item.x).length_squared();
                     2.0 * angle / range * intensity.max_element() / (d2 * 0.125)
@@ -160,7 +161,9 @@ fn a_point_at_a_light_receives_nothing() {
     let prepared = prepared(constant_environment(), LightSampling::Area);
     let mut items = Vec::new();
     for (index, light) in (0..).zip(&prepared.emitters.lights) {
-        if let Emitter::Delta(Light::Point { position, .. } | Light::Spot { position, .. }) = light
+        if let Emitter::Delta(
+            Light::Point(PointLight { position, .. }) | Light::Spot(SpotLight { position, .. }),
+        ) = light
         {
             items.push(Item {
                 choice: Choice {

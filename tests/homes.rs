@@ -1,0 +1,133 @@
+//! What there are kinds of has a home: the files that know one kind are few, and named here.
+
+use crate::support::project;
+use direkt::scene::Light;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Where a light without a surface is at home; `KIND` is its name.
+const HOME: [&str; 8] = [
+    "shaders/light/KIND.wesl",
+    "shaders/light/light.wesl",
+    "src/effects.rs",
+    "src/reference/light/KIND.rs",
+    "src/reference/light/light.rs",
+    "src/reference/light/mod.rs",
+    "src/scene/lights/KIND.rs",
+    "src/scene/lights/mod.rs",
+];
+
+/// Files that know some kinds because they do more with them: glTF has them, their irradiance is known exactly, or rays reach
+/// them.
+const GUESTS: [(&str, &[&str]); 4] = [
+    (
+        "point",
+        &[
+            "src/reference/exact/scene.rs",
+            "src/scene/load/gltf_scene/lights.rs",
+        ],
+    ),
+    (
+        "spot",
+        &[
+            "src/reference/exact/scene.rs",
+            "src/scene/load/gltf_scene/lights.rs",
+        ],
+    ),
+    (
+        "directional",
+        &[
+            "src/reference/exact/scene.rs",
+            "src/scene/load/gltf_scene/lights.rs",
+        ],
+    ),
+    (
+        "sun",
+        &[
+            "crates/window/src/density.rs",
+            "shaders/kernel/direct.wesl",
+            "shaders/kernel/light_groups.wesl",
+            "src/effects/rules.rs",
+            "src/emitters/mod.rs",
+            "src/emitters/unit.rs",
+            "src/gpu/lights.rs",
+            "src/reference/exact/scene.rs",
+            "src/reference/kernel/bsdf_rays.rs",
+            "src/scene/lights/directional.rs",
+            "src/scene/mod.rs",
+        ],
+    ),
+];
+
+/// Source files in `folder`, without unit tests.
+fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs" || e == "wesl")
+            && !path.ends_with("tests.rs")
+        {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+            let lines = code.lines().filter(|line| {
+                !line.trim_start().starts_with("//") && !line.starts_with("pub use ")
+            });
+            let name = path.strip_prefix(project("")).unwrap().to_str().unwrap();
+            found.push((name.to_owned(), lines.collect::<Vec<_>>().join("\n")));
+        }
+    }
+}
+
+/// Whether `code` holds `name` as a word.
+fn names(code: &str, name: &str) -> bool {
+    let part = |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_');
+    code.match_indices(name).any(|(at, _)| {
+        !part(code[..at].chars().next_back()) && !part(code[at + name.len()..].chars().next())
+    })
+}
+
+#[test]
+fn a_light_lives_in_eight_files() {
+    let mut files = Vec::new();
+    for folder in [
+        "src",
+        "shaders",
+        "crates/cli/src",
+        "crates/instruments/src",
+        "crates/window/src",
+    ] {
+        sources(&project(folder), &mut files);
+    }
+    assert!(files.len() > 300, "{} files", files.len());
+    for (module, constant, _) in Light::CONSTANTS {
+        let kind = module.strip_prefix("light::").unwrap();
+        let data = format!("{}{}", kind[..1].to_uppercase(), &kind[1..]);
+        let words = [
+            format!("{data}Light"),
+            format!("Light::{data}"),
+            format!("Emitter::{data}"),
+            format!("light::{kind}"),
+            (*constant).to_owned(),
+        ];
+        let declares = |(name, code): &&(String, String)| {
+            name == "src/reference/light/mod.rs" && names(code, &format!("mod {kind}"))
+        };
+        let knows = |file: &&(String, String)| words.iter().any(|word| names(&file.1, word));
+        let found = files.iter().filter(|file| knows(file) || declares(file));
+        let found: BTreeSet<String> = found.map(|(name, _)| name.clone()).collect();
+        let guests = GUESTS
+            .iter()
+            .find(|(of, _)| *of == kind)
+            .map_or(&[][..], |(_, files)| *files);
+        let home = HOME
+            .iter()
+            .chain(guests)
+            .map(|file| file.replace("KIND", kind));
+        assert_eq!(
+            found,
+            home.collect::<BTreeSet<String>>(),
+            "files that know the kind {kind}"
+        );
+    }
+}
