@@ -15,7 +15,7 @@ use crate::reference::light::environment::{
     environment_cell_margin, environment_radiance, pdf_environment,
 };
 use crate::reference::light::light::emitted_radiance;
-use crate::reference::light::sun::{is_in_sun, pdf_sun, sun_margin, suns};
+use crate::reference::light::sun::{is_in_sun, pdf_sun, sun_margin, sun_radiance, suns};
 use crate::reference::scene::opacity::Crossings;
 use crate::reference::scene::surface::{Surface, is_above, surface_at};
 use crate::reference::scene::trace::closest_hit;
@@ -75,7 +75,7 @@ impl Direct<'_> {
             let margin = &mut sample.conditions.cell_margin;
             *margin = margin.min(sun_margin(&sun, direction));
             if is_in_sun(&sun, direction) {
-                sum += sun.radiance() * self.bsdf_weight(pdf, pdf_sun(&sun, selection));
+                sum += sun_radiance(&sun) * self.bsdf_weight(pdf, pdf_sun(&sun, selection));
             }
         }
         sum

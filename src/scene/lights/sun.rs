@@ -29,7 +29,7 @@ impl SunLight {
     }
 
     /// 1 − cosθ of the cone in which it is seen: the solid angle is 2π times this.
-    pub fn height(&self) -> f64 {
+    fn height(&self) -> f64 {
         2.0 * (0.5 * self.angular_radius).sin().powi(2)
     }
 }

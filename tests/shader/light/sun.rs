@@ -9,7 +9,9 @@ use direkt::prepare::Prepared;
 use direkt::reference::BrokenTwin;
 use direkt::reference::core::frame::{frame_from_normal, to_local};
 use direkt::reference::core::pdf::PdfDiscrete;
-use direkt::reference::light::sun::{pdf_sun, sample_sun, sun_margin, suns, suns_radiance};
+use direkt::reference::light::sun::{
+    pdf_sun, sample_sun, sun_height, sun_margin, suns, suns_radiance,
+};
 use direkt::reference::scene::fetch::World;
 use direkt::scene::{Light, LightSelection, Strategy, SunLight};
 use glam::{DVec2, DVec3};
@@ -136,13 +138,13 @@ fn sun_samples_follow_their_density() {
                 let local = to_local(&around, wi);
                 let height = 0.5 * (wi + sun.direction).length_squared();
                 // Rounding puts the outermost beyond the edge.
-                DVec2::new(local.y.atan2(local.x), (height / sun.height()).min(1.0))
+                DVec2::new(local.y.atan2(local.x), (height / sun_height(&sun)).min(1.0))
             })
             .collect();
         let low = DVec2::new(-PI, 0.0);
         let high = DVec2::new(PI, 1.0);
         let per_cell = |pdf: f64| {
-            let density = pdf * sun.height();
+            let density = pdf * sun_height(&sun);
             histogram::p_value(&samples, low, high, |_| density)
         };
         let pdf = pdf_sun(&sun, PdfDiscrete(1.0)).0;
@@ -152,8 +154,9 @@ fn sun_samples_follow_their_density() {
             BrokenTwin::PdfScaled => Some(per_cell(1.02 * pdf)),
             // Per area of the disk in the sky, seen face on.
             BrokenTwin::WrongMeasure if index == 3 => {
-                let flat =
-                    |p: DVec2| (1.0 - p.y * sun.height()) / (TAU * (1.0 - 0.5 * sun.height()));
+                let flat = |p: DVec2| {
+                    (1.0 - p.y * sun_height(&sun)) / (TAU * (1.0 - 0.5 * sun_height(&sun)))
+                };
                 Some(histogram::p_value(&samples, low, high, flat))
             }
             _ => None,
@@ -177,7 +180,7 @@ fn suns_shine_where_they_are() {
     let mut random = Random::new(73);
     let mut directions: Vec<DVec3> = (0..20_000).map(|_| random.direction()).collect();
     for (sun, _) in suns(&world) {
-        let size = sun.height().sqrt();
+        let size = sun_height(&sun).sqrt();
         directions.extend((0..20_000).map(|_| {
             let off = random.direction() * random.between(0.0, 3.0 * size);
             (off - sun.direction).normalize()

@@ -12,6 +12,7 @@ use direkt::gpu::layout::{
     LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, THIN_BIT,
 };
 use direkt::prepare::Prepared;
+use direkt::reference::light::sun::{sun_height, sun_radiance};
 use direkt::reference::scene::fetch::World;
 use direkt::scene::lights::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LIGHT_SUN};
 use direkt::scene::material::Fresnel;
@@ -246,7 +247,12 @@ fn lights_come_back() {
                 LIGHT_SUN,
                 false,
                 0.0,
-                [-sun.direction, zero, along_x(sun.height()), sun.radiance()],
+                [
+                    -sun.direction,
+                    zero,
+                    along_x(sun_height(&sun)),
+                    sun_radiance(&sun),
+                ],
             ),
             Emitter::Environment => (LIGHT_ENVIRONMENT, false, 0.0, [zero; 4]),
         };
