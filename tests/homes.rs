@@ -1,7 +1,8 @@
 //! What there are kinds of has a home: the files that know one kind are few, and named here.
 
 use crate::support::project;
-use direkt::scene::Light;
+use clap::ValueEnum;
+use direkt::scene::{Light, Sampler};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -57,6 +58,14 @@ const GUESTS: [(&str, &[&str]); 4] = [
             "src/scene/mod.rs",
         ],
     ),
+];
+
+/// Where a sampler is at home, beside a file of `shaders/core/` and its twin for a point set of its own.
+const HOME_OF_SAMPLERS: [&str; 4] = [
+    "shaders/core/sampler.wesl",
+    "src/effects.rs",
+    "src/reference/core/sampler.rs",
+    "src/scene/sampler.rs",
 ];
 
 /// Source files in `folder`, without unit tests.
@@ -129,5 +138,30 @@ fn a_light_lives_in_eight_files() {
             home.collect::<BTreeSet<String>>(),
             "files that know the kind {kind}"
         );
+    }
+}
+
+#[test]
+fn a_sampler_lives_in_four_files_and_those_of_its_points() {
+    let mut files = Vec::new();
+    for folder in ["src", "shaders"] {
+        sources(&project(folder), &mut files);
+    }
+    for sampler in Sampler::value_variants() {
+        let words = [
+            format!("Sampler::{sampler:?}"),
+            format!("{sampler:?}Sampler"),
+            format!(
+                "SAMPLER_{}",
+                sampler.to_string().to_uppercase().replace('-', "_")
+            ),
+        ];
+        let knows = |file: &&(String, String)| words.iter().any(|word| names(&file.1, word));
+        for (file, _) in files.iter().filter(knows) {
+            assert!(
+                HOME_OF_SAMPLERS.contains(&file.as_str()),
+                "{file} knows the sampler {sampler}"
+            );
+        }
     }
 }

@@ -16,7 +16,7 @@
 
 use super::film::{Film, Pixel};
 use super::neighbourhood::{box_mean, mean_of_others};
-use crate::scene::{FilmSize, Sampler};
+use crate::scene::FilmSize;
 use crate::stats::interval::{Interval, student};
 use rayon::prelude::*;
 
@@ -227,7 +227,11 @@ impl Film {
         if self.sampler.is_independent() {
             return self.independent_standard_error_of_mean();
         }
-        let sums = tile_sums(self.half_differences()?, self.size, unit_side(self.sampler));
+        let sums = tile_sums(
+            self.half_differences()?,
+            self.size,
+            self.sampler.independent_side(),
+        );
         let squares = sums.into_iter().map(|s| s.map(|s| s * s));
         let sum = squares.fold([0.0; 3], add);
         Some(sum.map(|s| s.sqrt() / self.pixels.len() as f64))
@@ -236,7 +240,7 @@ impl Film {
     /// A standard error of [`mean`](Self::mean) to judge it by: where the replicates of too few parts of the image would
     /// have to tell it, what the scatter of the samples says, which is larger.
     pub fn cautious_standard_error_of_mean(&self) -> Option<[f64; 3]> {
-        let parts = self.pixels.len() / unit_side(self.sampler).pow(2) as usize;
+        let parts = self.pixels.len() / self.sampler.independent_side().pow(2) as usize;
         if parts < FEWEST_PARTS {
             self.independent_standard_error_of_mean()
         } else {
@@ -263,15 +267,6 @@ fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 /// Parts of an image, independent of each other, whose replicates tell its mean's error well enough to judge the mean by.
 const FEWEST_PARTS: usize = 32;
-
-/// Pixels along the side of the squares whose errors count as independent of each other: single pixels, but under blue
-/// noise, where neighbours share a sequence, tiles.
-pub fn unit_side(sampler: Sampler) -> u32 {
-    match sampler {
-        Sampler::BlueNoise => 16,
-        _ => 1,
-    }
-}
 
 /// Sums over tiles of `side` × `side` pixels, row by row.
 pub fn tile_sums<const N: usize>(

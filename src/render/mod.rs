@@ -14,7 +14,7 @@ mod stamps;
 
 pub use aov::{AovImages, render_aovs};
 pub use check::Check;
-pub use error::{CONFIDENCE, ImageError, tile_sums, unit_side};
+pub use error::{CONFIDENCE, ImageError, tile_sums};
 pub use film::{Film, FirstBad, Ledger, Pixel};
 pub use goal::ErrorGoal;
 pub use recover::{Failure, render_keeping_image, render_through_losses};

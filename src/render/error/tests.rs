@@ -1,4 +1,5 @@
 use super::*;
+use crate::scene::Sampler;
 use crate::stats::testing::Stream;
 
 const SIZE: FilmSize = FilmSize {

@@ -11,11 +11,11 @@
 //!
 //! The intervals come from independent replicates (other seeds), pixel by pixel: how the squared errors of one pixel vary
 //! over the replicates, summed over pixels, which are independent of each other under all samplers but blue noise. For that
-//! one, tiles take the place of pixels ([`unit_side`]).
+//! one, tiles take the place of pixels ([`Sampler::independent_side`]).
 
 use super::interval::{Interval, student_95};
 use super::reference::Reference;
-use direkt::render::{Film, tile_sums, unit_side};
+use direkt::render::{Film, tile_sums};
 use direkt::scene::{FilmSize, Sampler};
 use rayon::prelude::*;
 
@@ -51,7 +51,7 @@ pub struct ImageError {
 impl Errors {
     /// No replicates yet, of images of `size` by `sampler`.
     pub fn new(size: FilmSize, sampler: Sampler) -> Self {
-        let side = unit_side(sampler);
+        let side = sampler.independent_side();
         let units = size.width.div_ceil(side) as usize * size.height.div_ceil(side) as usize;
         Self {
             size,
