@@ -98,7 +98,7 @@
 //!   tests/shader/light/, scenes/tests/ GPU against twin, and a scene with an exact value
 //!   ```
 //!
-//!   `tests/homes.rs` holds this list. A light that BSDF-sampled rays reach as well, such as a sun, has its density in
+//!   `tests/homes.rs` holds this list. Numbers for the fuzz test are made in `examples/fuzz/harness/numbers.rs`. A light that BSDF-sampled rays reach as well, such as a sun, has its density in
 //!   `shaders/kernel/direct.wesl` on top.
 //! - **a shape that emits**: its case in `shaders/light/area_light.wesl` and `shaders/scene/fetch.wesl`, its `sample_` and `pdf_`
 //!   functions in a file of `shaders/light/`, their twins, its bounds in [`emitters::tree`], and its effect.
