@@ -1,36 +1,11 @@
-//! The passes of a render, until something ends them.
+//! The passes of a render, with a progress bar, until something or the user ends them.
 
 use super::interrupt::Interrupt;
 use super::progress::Progress;
 use direkt::error::Error;
-use direkt::render::goal::{ErrorGoal, Look, Watch};
-use direkt::render::{Session, StopReason};
+use direkt::render::passes::duration;
+use direkt::render::{Session, StoppedBy};
 use direkt::scene::Scene;
-use serde::Serialize;
-use std::time::{Duration, Instant};
-
-/// What ended a render.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StoppedBy {
-    /// It has the samples that were asked for.
-    Samples,
-    /// The time was over.
-    Time,
-    /// Its error is small enough.
-    Error,
-    /// No error can become small enough: no sample found any light.
-    Black,
-    /// The user.
-    Interrupt,
-    /// The driver, which failed.
-    Failure,
-}
-
-/// As long as `seconds`, which are positive; more than any clock counts is forever.
-pub fn duration(seconds: f64) -> Duration {
-    Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
-}
 
 /// How the passes went.
 pub struct Progressed {
@@ -43,34 +18,23 @@ pub struct Progressed {
 }
 
 /// The passes of one render, on one device or on several that follow each other.
-pub struct Passes<'a> {
-    scene: &'a Scene,
+pub struct Passes {
+    passes: direkt::render::Passes,
     interrupt: Interrupt,
-    time: Option<Duration>,
     progress: Progress,
-    start: Instant,
-    watch: Option<Watch>,
-    passes: u64,
+    pixels: usize,
 }
 
-impl<'a> Passes<'a> {
+impl Passes {
     /// Those of `scene`, from now on, until `interrupt` comes.
-    pub fn new(scene: &'a Scene, interrupt: Interrupt, quiet: bool) -> Self {
+    pub fn new(scene: &Scene, interrupt: Interrupt, quiet: bool) -> Self {
         interrupt.defer();
         let settings = scene.render;
-        let time = settings.time.map(duration);
-        let goal = settings.error.map(|relative| ErrorGoal {
-            relative,
-            confidence: settings.confidence,
-        });
         Self {
-            scene,
+            passes: direkt::render::Passes::new(&settings),
             interrupt,
-            time,
-            progress: Progress::new(settings.spp, time, quiet),
-            start: Instant::now(),
-            watch: goal.map(Watch::new),
-            passes: 0,
+            progress: Progress::new(settings.spp, settings.time.map(duration), quiet),
+            pixels: scene.film.pixels(),
         }
     }
 
@@ -81,35 +45,18 @@ impl<'a> Passes<'a> {
         session: &mut Session<'_>,
         mut after: impl FnMut(&Session<'_>) -> Result<(), Error>,
     ) -> Result<Progressed, Error> {
-        let spp = self.scene.render.spp;
-        let mut stopped_by = StoppedBy::Samples;
-        while session.samples() < spp {
-            let until = self.watch.map_or(spp, |w| spp.min(w.next()));
-            let samples = session.pass_samples(until - session.samples());
-            // The first pass is finished whatever the time, so that there is an image.
-            let first = session.samples() == 0;
-            let out_of_time = || !first && self.time.is_some_and(|t| self.start.elapsed() >= t);
-            let stop = || self.interrupt.came() || out_of_time();
-            if session.pass(samples, stop)? == StopReason::Interrupted {
-                stopped_by = if self.interrupt.came() {
-                    StoppedBy::Interrupt
-                } else {
-                    StoppedBy::Time
-                };
-                break;
+        let stopped_by = loop {
+            let interrupted = || self.interrupt.came();
+            if let Some(by) = self.passes.take(session, interrupted)? {
+                break by;
             }
-            self.passes += 1;
-            let pixels = self.scene.film.pixels();
-            self.progress.update(session, self.passes, pixels)?;
+            let taken = self.passes.taken();
+            self.progress.update(session, taken, self.pixels)?;
             after(session)?;
-            let look = self.watch.as_mut().map(|w| w.look(session)).transpose()?;
-            stopped_by = match look {
-                Some(Look::Reached) => StoppedBy::Error,
-                Some(Look::Black) => StoppedBy::Black,
-                Some(Look::NotYet) | None => continue,
-            };
-            break;
-        }
+            if let Some(by) = self.passes.judge(session)? {
+                break by;
+            }
+        };
         Ok(self.end(stopped_by))
     }
 
@@ -117,8 +64,8 @@ impl<'a> Passes<'a> {
     pub fn end(&self, stopped_by: StoppedBy) -> Progressed {
         self.progress.finish();
         Progressed {
-            passes: self.passes,
-            seconds: self.start.elapsed().as_secs_f64(),
+            passes: self.passes.taken(),
+            seconds: self.passes.elapsed().as_secs_f64(),
             stopped_by,
         }
     }

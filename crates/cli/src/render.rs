@@ -6,7 +6,7 @@ mod report;
 use super::check::{CheckArgument, print_verdict};
 use super::interrupt::Interrupt;
 use super::outputs::OutputArguments;
-use super::passes::{Passes, Progressed, StoppedBy};
+use super::passes::{Passes, Progressed};
 use super::plan::{Failures, Plan};
 use super::settings::{AovArguments, EstimatorArguments, SceneArguments, warn};
 use super::{AdapterArgument, JsonArgument};
@@ -16,7 +16,8 @@ use direkt::gpu::{AdapterFacts, Context};
 use direkt::image::layers;
 use direkt::prepare::Prepared;
 use direkt::render::{
-    AovImages, Failure, Film, Pixel, RayCounts, Session, render_aovs, render_keeping_image,
+    AovImages, Failure, Film, Pixel, RayCounts, Session, StoppedBy, render_aovs,
+    render_keeping_image,
 };
 use direkt::scene::{Aovs, Scene};
 use live::{Live, LiveArguments};

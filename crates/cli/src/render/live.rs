@@ -1,10 +1,10 @@
 //! A render in progress, shown elsewhere: in files that are written again and again, and in the viewer tev.
 
 use crate::outputs::OutputArguments;
-use crate::passes::duration;
 use direkt::console::say;
 use direkt::error::{Error, GpuError, number};
 use direkt::output;
+use direkt::render::passes::duration;
 use direkt::render::{Film, Session};
 use direkt::scene::Scene;
 use std::net::TcpStream;

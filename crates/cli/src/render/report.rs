@@ -1,10 +1,9 @@
 //! What a render tells: on stderr, as JSON and in the attributes of an EXR.
 
 use super::Rendered;
-use crate::passes::StoppedBy;
 use direkt::gpu::AdapterFacts;
 use direkt::prepare::Prepared;
-use direkt::render::{Check, ImageError, Ledger, RayCounts};
+use direkt::render::{Check, ImageError, Ledger, RayCounts, StoppedBy};
 use direkt::scene::{Aovs, LightSampling, LightSelection, Sampler, ShadowPattern, Strategy};
 use serde::Serialize;
 use std::ffi::OsStr;

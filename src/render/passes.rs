@@ -1,0 +1,111 @@
+//! The passes of a render, until something ends them.
+
+use super::goal::{ErrorGoal, Look, Watch};
+use super::session::{Session, StopReason};
+use crate::error::GpuError;
+use crate::scene::RenderSettings;
+use std::time::{Duration, Instant};
+
+/// What ended a render.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StoppedBy {
+    /// It has the samples that were asked for.
+    Samples,
+    /// The time was over.
+    Time,
+    /// Its error is small enough.
+    Error,
+    /// No error can become small enough: no sample found any light.
+    Black,
+    /// The user.
+    Interrupt,
+    /// The driver, which failed.
+    Failure,
+}
+
+/// As long as `seconds`, which are positive; more than any clock counts is forever.
+pub fn duration(seconds: f64) -> Duration {
+    Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
+}
+
+/// The passes of one render, on one device or on several that follow each other, until samples, time or error are what its
+/// settings ask for.
+#[derive(Debug, Clone)]
+pub struct Passes {
+    spp: u64,
+    time: Option<Duration>,
+    watch: Option<Watch>,
+    start: Instant,
+    taken: u64,
+}
+
+impl Passes {
+    /// Those of a render by `settings`, whose time begins now.
+    pub fn new(settings: &RenderSettings) -> Self {
+        let goal = settings.error.map(|relative| ErrorGoal {
+            relative,
+            confidence: settings.confidence,
+        });
+        Self {
+            spp: settings.spp,
+            time: settings.time.map(duration),
+            watch: goal.map(Watch::new),
+            start: Instant::now(),
+            taken: 0,
+        }
+    }
+
+    /// Passes taken so far.
+    pub fn taken(&self) -> u64 {
+        self.taken
+    }
+
+    /// Time since the first could begin.
+    pub fn elapsed(&self) -> Duration {
+        self.start.elapsed()
+    }
+
+    /// Takes one pass, unless there is nothing left to do. The first is finished whatever the time, so that there is an image;
+    /// `interrupted` is asked between dispatches.
+    ///
+    /// # Errors
+    /// The driver fails.
+    pub fn take(
+        &mut self,
+        session: &mut Session<'_>,
+        interrupted: impl Fn() -> bool,
+    ) -> Result<Option<StoppedBy>, GpuError> {
+        if session.samples() >= self.spp {
+            return Ok(Some(StoppedBy::Samples));
+        }
+        let until = self.watch.map_or(self.spp, |w| self.spp.min(w.next()));
+        let samples = session.pass_samples(until - session.samples());
+        let first = session.samples() == 0;
+        let (time, start) = (self.time, self.start);
+        let out_of_time = || !first && time.is_some_and(|t| start.elapsed() >= t);
+        let stop = || interrupted() || out_of_time();
+        if session.pass(samples, stop)? == StopReason::Interrupted {
+            return Ok(Some(if interrupted() {
+                StoppedBy::Interrupt
+            } else {
+                StoppedBy::Time
+            }));
+        }
+        self.taken += 1;
+        Ok(None)
+    }
+
+    /// Whether the error of the image so far ends the render.
+    ///
+    /// # Errors
+    /// The driver fails.
+    pub fn judge(&mut self, session: &Session<'_>) -> Result<Option<StoppedBy>, GpuError> {
+        let look = self.watch.as_mut().map(|w| w.look(session)).transpose()?;
+        Ok(match look {
+            Some(Look::Reached) => Some(StoppedBy::Error),
+            Some(Look::Black) => Some(StoppedBy::Black),
+            Some(Look::NotYet) | None => None,
+        })
+    }
+}
