@@ -22,9 +22,12 @@
 //!                                │
 //!                                ▼
 //!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}
+//!                                │
+//!                                ▼
+//!               renderer::Renderer: all of it in one call
 //! ```
 //!
-//! One direction only: `scene ← accel ← emitters ← effects ← prepare ← gpu ← render ← image`; a test holds these layers
+//! One direction only: `scene ← accel ← emitters ← effects ← prepare ← gpu ← render ← image ← renderer`; a test holds these layers
 //! (`tests/layers.rs` has the table). Beside `gpu`, and without it, [`reference`](mod@reference) computes in f64 what samples
 //! should be, and [`stats`] decides whether they are.
 //!
@@ -39,20 +42,17 @@
 //! # A render, from code
 //!
 //! ```no_run
-//! use direkt::{gpu::Context, prepare::Prepared, render::Session, scene::load::{LoadOptions, load}};
+//! use direkt::{LoadOptions, Renderer, Scene};
 //!
-//! let scene = load("scenes/cornell.toml".as_ref(), &LoadOptions::default())?;
-//! let (film, settings) = (scene.film, scene.render);
-//! let prepared = Prepared::of(scene);
-//! let context = Context::new(None)?;
-//! let mut session = Session::new(&context, &prepared, film, settings.seed)?;
-//! while session.samples() < 16 {
-//!     session.pass(session.pass_samples(16 - session.samples()), || false)?;
-//! }
-//! let (film, _rays) = session.snapshot()?;
-//! println!("mean {:?}, error {:?}", film.mean(), film.error());
-//! # Ok::<(), direkt::error::Error>(())
+//! let scene = Scene::load("scenes/cornell.toml", &LoadOptions::default())?;
+//! let image = Renderer::new()?.render(scene)?;
+//! println!("mean {:?}, error {:?}", image.mean(), image.error());
+//! image.write("cornell.exr")?;
+//! # Ok::<(), direkt::Error>(())
 //! ```
+//!
+//! `examples/` has more: `scene_in_code`, `embed_wgpu` (the caller's device and texture), `compare_estimators` and `own_sampler`.
+//! What is named above is all that these need; the modules below are what it is made of.
 //!
 //! # What holds everywhere
 //!
@@ -131,5 +131,14 @@ pub mod output;
 pub mod prepare;
 pub mod reference;
 pub mod render;
+pub mod renderer;
 pub mod scene;
 pub mod stats;
+
+pub use error::Error;
+pub use renderer::{Image, ProgressiveRender, Renderer};
+pub use scene::load::LoadOptions;
+pub use scene::{
+    Bsdf, Camera, Environment, Geometry, Light, LightSampling, LightSelection, Material,
+    MaterialId, RenderSettings, Sampler, Scene, Shape, Strategy,
+};

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Modules of `src/`, each with those that it may import.
-const LAYERS: [(&str, &[&str]); 15] = [
+const LAYERS: [(&str, &[&str]); 16] = [
     ("console", &[]),
     ("golden", &[]),
     ("stats", &[]),
@@ -34,6 +34,10 @@ const LAYERS: [(&str, &[&str]); 15] = [
     (
         "image",
         &["error", "gpu", "output", "prepare", "render", "scene"],
+    ),
+    (
+        "renderer",
+        &["error", "gpu", "image", "prepare", "render", "scene"],
     ),
     ("lib", &[]),
 ];

@@ -19,6 +19,7 @@ mod layers;
 mod layout;
 mod permutations;
 mod render;
+mod renderer;
 mod scene;
 mod shader;
 mod support;

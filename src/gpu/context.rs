@@ -147,6 +147,19 @@ impl Context {
         })
     }
 
+    /// The caller's device, whose loss and errors outside of calls stay the caller's to notice.
+    pub fn of_device(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
+        Self {
+            device: device.clone(),
+            queue: queue.clone(),
+            adapter: AdapterFacts::of(&device.adapter_info()),
+            limits: device.limits(),
+            kernels: Kernels::default(),
+            scenes: GpuScenes::default(),
+            troubles: Arc::default(),
+        }
+    }
+
     /// Most triangles that a scene may have on this adapter.
     pub fn capacity(&self) -> Capacity {
         let limits = &self.limits;

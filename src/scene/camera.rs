@@ -52,6 +52,22 @@ impl Lens {
     };
 }
 
+impl Default for Camera {
+    /// A pinhole at (0, 0, 4) that looks at the origin, +y up, with a vertical field of view of 40°.
+    fn default() -> Self {
+        Self {
+            eye: 4.0 * DVec3::Z,
+            right: DVec3::X,
+            up: DVec3::Y,
+            forward: DVec3::NEG_Z,
+            projection: Projection::Perspective {
+                fov_y: 40_f64.to_radians(),
+            },
+            lens: Lens::PINHOLE,
+        }
+    }
+}
+
 impl Camera {
     /// A pinhole camera at `eye` that looks at `target`.
     ///

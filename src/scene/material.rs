@@ -22,6 +22,17 @@ pub struct Material {
 }
 
 impl Material {
+    /// Both sides of `bsdf`, without textures, and opaque; its name is in messages and AOVs.
+    pub fn new(name: &str, bsdf: Bsdf) -> Self {
+        Self {
+            name: name.to_owned(),
+            bsdf,
+            double_sided: true,
+            textures: MaterialTextures::default(),
+            opacity: Opacity::default(),
+        }
+    }
+
     /// All textures that it reads.
     pub fn texture_uses(&self) -> impl Iterator<Item = TextureUse> {
         self.textures.uses().chain(self.opacity.texture)

@@ -80,7 +80,73 @@ pub struct Scene {
     pub light_groups: LightGroups,
 }
 
+impl Default for Scene {
+    /// Nothing, in front of a camera at (0, 0, 4) that looks at the origin.
+    fn default() -> Self {
+        Self {
+            source: std::path::PathBuf::from("scene"),
+            camera: Camera::default(),
+            film: FilmSize::default(),
+            materials: Vec::new(),
+            textures: Vec::new(),
+            shapes: Vec::new(),
+            lights: Vec::new(),
+            environment: None,
+            render: RenderSettings::default(),
+            expect: None,
+            warnings: Vec::new(),
+            filter: PixelFilter::default(),
+            light_groups: LightGroups::default(),
+        }
+    }
+}
+
 impl Scene {
+    /// Reads a scene file (`.toml`, `.gltf` or `.glb`); see [`load`].
+    ///
+    /// # Errors
+    /// The file, a field in it, or a file that it names is not what it has to be.
+    pub fn load(
+        path: impl AsRef<std::path::Path>,
+        options: &load::LoadOptions,
+    ) -> Result<Self, crate::error::Error> {
+        load::load(path.as_ref(), options)
+    }
+
+    /// Adds a material.
+    pub fn add_material(&mut self, name: &str, bsdf: Bsdf) -> MaterialId {
+        let id = MaterialId(self.materials.len() as u32);
+        self.materials.push(Material::new(name, bsdf));
+        id
+    }
+
+    /// Adds a shape that does not emit; its name is in messages and AOVs.
+    pub fn add_shape(&mut self, name: &str, geometry: Geometry, material: MaterialId) {
+        self.shapes.push(Shape {
+            name: name.to_owned(),
+            geometry,
+            material,
+            emission: None,
+        });
+    }
+
+    /// Adds a shape whose front emits `radiance` (W·sr⁻¹·m⁻²).
+    pub fn add_area_light(
+        &mut self,
+        name: &str,
+        geometry: Geometry,
+        material: MaterialId,
+        radiance: glam::DVec3,
+    ) {
+        self.add_shape(name, geometry, material);
+        let shape = self.shapes.last_mut().expect("it was added");
+        shape.emission = Some(Emission {
+            radiance,
+            two_sided: false,
+            texture: None,
+        });
+    }
+
     /// Light samples that a camera ray takes with light selection `all`: each primitive that emits and the environment have
     /// as many as there are shadow rays, where the strategy samples them; lights without a surface, which nothing else
     /// reaches, have one.

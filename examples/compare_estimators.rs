@@ -1,0 +1,43 @@
+//! Which strategy is worth its time on a scene: error at equal samples, time, and efficiency 1/(relMSE · s).
+
+use direkt::{Error, LoadOptions, Renderer, Scene, Strategy};
+use std::time::Instant;
+
+fn main() -> Result<(), Error> {
+    let renderer = Renderer::new()?;
+    println!(
+        "{:<26} {:>9} {:>8} {:>12}",
+        "strategy", "√relMSE", "seconds", "efficiency"
+    );
+    for strategy in [
+        Strategy::CosineHemisphere,
+        Strategy::Bsdf,
+        Strategy::LightArea,
+        Strategy::LightSolidAngle,
+        Strategy::MisPower,
+    ] {
+        let mut scene = Scene::load("scenes/veach.toml", &LoadOptions::default())?;
+        (scene.film.width, scene.film.height) = (192, 128);
+        (scene.render.strategy, scene.render.spp) = (strategy, 64);
+        let mut render = renderer.begin(scene)?;
+        // The driver compiles the kernel in the first pass, which is no part of the rendering.
+        let mut ended = render.pass()?;
+        let (start, first) = (Instant::now(), render.samples());
+        while ended.is_none() {
+            ended = render.pass()?;
+        }
+        let samples = (render.samples() - first) as f64 / render.samples() as f64;
+        let seconds = start.elapsed().as_secs_f64() / samples;
+        let Some(error) = render.image()?.error() else {
+            println!("{:<26} no light found", strategy.to_string());
+            continue;
+        };
+        let efficiency = 1.0 / (error.rel_mse * seconds);
+        let percent = 100.0 * error.rel_mse.sqrt();
+        println!(
+            "{:<26} {percent:>7.2} % {seconds:>8.2} {efficiency:>12.0}",
+            strategy.to_string()
+        );
+    }
+    Ok(())
+}
