@@ -147,7 +147,7 @@ impl Context {
         })
     }
 
-    /// The caller's device, whose loss and errors outside of calls stay the caller's to notice.
+    /// The caller's device. The caller has to watch for its loss, and for errors that no call reports.
     pub fn of_device(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self {
             device: device.clone(),

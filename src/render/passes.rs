@@ -66,7 +66,7 @@ impl Passes {
         self.start.elapsed()
     }
 
-    /// Takes one pass, unless there is nothing left to do. The first is finished whatever the time, so that there is an image;
+    /// Takes one pass, which [`judge`](Self::judge) may follow, unless there is nothing left to do. The first is finished whatever the time, so that there is an image;
     /// `interrupted` is asked between dispatches.
     ///
     /// # Errors
@@ -80,7 +80,7 @@ impl Passes {
             return Ok(Some(StoppedBy::Samples));
         }
         let until = self.watch.map_or(self.spp, |w| self.spp.min(w.next()));
-        let samples = session.pass_samples(until - session.samples());
+        let samples = session.pass_samples(until.saturating_sub(session.samples()));
         let first = session.samples() == 0;
         let (time, start) = (self.time, self.start);
         let out_of_time = || !first && time.is_some_and(|t| start.elapsed() >= t);

@@ -28,12 +28,19 @@ pub fn validate(scene: &Scene) -> Result<(), Error> {
     check.film(scene.film)?;
     check.camera(&scene.camera)?;
     check.filter(&scene.filter)?;
+    for (index, texture) in scene.textures.iter().enumerate() {
+        materials::texels(&scene.source, texture, index)?;
+    }
     for material in &scene.materials {
         materials::check(&scene.source, material)?;
         materials::textures(&scene.source, material, scene.textures.len())?;
     }
     for shape in &scene.shapes {
         check.shape(shape, &scene.materials)?;
+        if let Some(used) = shape.emission.and_then(|e| e.texture) {
+            let field = format!("{}.emission.texture", shape.field());
+            materials::texture_use(&scene.source, used, scene.textures.len(), &field)?;
+        }
     }
     for (index, light) in scene.lights.iter().enumerate() {
         let field = format!("lights[{index}]");

@@ -143,7 +143,7 @@ pub struct Spread {
 pub struct LightRecord {
     /// One of the constants `LIGHT_…`.
     pub kind: u32,
-    /// Three vectors, whose meaning depends on the kind.
+    /// Three triples, whose meaning depends on the kind.
     pub vectors: [DVec3; 3],
     /// Radiance; radiant intensity or irradiance where it has no extent.
     pub radiance: DVec3,
@@ -215,6 +215,10 @@ impl Light {
 
     /// The light in normalised space.
     pub fn normalized(mut self, normalization: &Normalization) -> Self {
+        debug_assert_eq!(
+            self.position().is_some(),
+            self.kind_mut().position_mut().is_some()
+        );
         if let Some(position) = self.kind_mut().position_mut() {
             *position = normalization.point(*position);
             let intensity = self.strength_mut();

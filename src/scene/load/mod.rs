@@ -84,18 +84,27 @@ fn load_from(path: &Path, folders: &Folders, options: &LoadOptions) -> Result<Sc
         }
     };
     room::check(&scene, options.capacity.as_ref())?;
-    validate::validate(&scene)?;
-    vertex_colors::drop_on_metals(&mut scene);
-    let mut folded = fold::fold_constant(&mut scene.materials, &scene.textures);
-    scene.warnings.append(&mut folded);
-    vertex_colors::fold_opacity(&mut scene);
-    fold::fold_constant_emission(&mut scene.shapes, &scene.textures);
+    validate_and_fold(&mut scene)?;
     let mut warnings = warnings::general(&scene);
     scene.warnings.append(&mut warnings);
     for warning in &mut scene.warnings {
         *warning = readable(warning);
     }
     Ok(scene)
+}
+
+/// Validates `scene`, and leaves out of it what makes no difference or has no meaning, which [`Scene::warnings`] tells.
+///
+/// # Errors
+/// A number is out of its domain.
+pub fn validate_and_fold(scene: &mut Scene) -> Result<(), Error> {
+    validate::validate(scene)?;
+    vertex_colors::drop_on_metals(scene);
+    let mut folded = fold::fold_constant(&mut scene.materials, &scene.textures);
+    scene.warnings.append(&mut folded);
+    vertex_colors::fold_opacity(scene);
+    fold::fold_constant_emission(&mut scene.shapes, &scene.textures);
+    Ok(())
 }
 
 /// The JSON Schema of the TOML scene format, for editors.

@@ -2,7 +2,7 @@
 
 use crate::error::InputError;
 use crate::scene::material::DielectricLayer;
-use crate::scene::{Bsdf, Material};
+use crate::scene::{Bsdf, Material, Texels, Texture, TextureUse};
 use glam::DVec3;
 use std::path::Path;
 
@@ -17,6 +17,59 @@ struct Check<'a> {
     name: &'a str,
 }
 
+/// Checks that an image has the texels that its size says, and that they are numbers.
+pub(super) fn texels(file: &Path, texture: &Texture, index: usize) -> Outcome {
+    let error = |problem: String, expected: &str| {
+        Err(InputError::new(
+            file,
+            format!("textures[{index}]"),
+            problem,
+            expected,
+        ))
+    };
+    let (width, height) = (texture.width, texture.height);
+    let sides = 1..=Texture::MAX_SIDE;
+    if !(sides.contains(&width) && sides.contains(&height)) {
+        return error(
+            format!("has {width} × {height} texels"),
+            "1 to 16384 a side",
+        );
+    }
+    let (count, are_numbers) = match &texture.texels {
+        Texels::Bytes(texels) => (texels.len(), true),
+        Texels::Halves(texels) => {
+            let mut numbers = texels.iter().flatten();
+            let are_numbers = numbers.all(|x| x.is_finite() && x.to_f32() >= 0.0);
+            (texels.len(), are_numbers)
+        }
+    };
+    if count as u64 != u64::from(width) * u64::from(height) {
+        let problem = format!("has {count} texels for {width} × {height}");
+        return error(problem, "width times height");
+    }
+    if !are_numbers {
+        return error(
+            "has texels that are no numbers".to_owned(),
+            "finite ones, not negative",
+        );
+    }
+    Ok(())
+}
+
+/// Checks that `field` reads a texture that exists, of the `count` that there are.
+pub(super) fn texture_use(file: &Path, used: TextureUse, count: usize, field: &str) -> Outcome {
+    if used.texture.index() >= count {
+        let problem = format!("is texture {} of {count}", used.texture.0);
+        let expected = "an index into the scene's textures";
+        return Err(InputError::new(file, field, problem, expected));
+    }
+    if !used.transform.is_finite() {
+        let problem = format!("are repeated {} times", used.transform.matrix2);
+        return Err(InputError::new(file, field, problem, "finite numbers"));
+    }
+    Ok(())
+}
+
 /// Checks that `material` reads textures that exist, `count` of them, and that mean something for it.
 pub(super) fn textures(file: &Path, material: &Material, count: usize) -> Outcome {
     let maps = &material.textures;
@@ -25,14 +78,8 @@ pub(super) fn textures(file: &Path, material: &Material, count: usize) -> Outcom
         Err(InputError::new(file, field, problem, expected))
     };
     for texture in material.texture_uses() {
-        if texture.texture.index() >= count {
-            let problem = format!("is texture {} of {count}", texture.texture.0);
-            return error("", problem, "an index into the scene's textures");
-        }
-        if !texture.transform.is_finite() {
-            let problem = format!("are repeated {} times", texture.transform.matrix2);
-            return error("", problem, "finite numbers");
-        }
+        let field = format!("materials.{}.textures", material.name);
+        texture_use(file, texture, count, &field)?;
     }
     let scale = maps.normal.map_or(1.0, |map| map.scale);
     if !scale.is_finite() {
