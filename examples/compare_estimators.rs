@@ -19,16 +19,14 @@ fn main() -> Result<(), Error> {
         let mut scene = Scene::load("scenes/veach.toml", &LoadOptions::default())?;
         (scene.film.width, scene.film.height) = (192, 128);
         (scene.render.strategy, scene.render.spp) = (strategy, 64);
-        let mut render = renderer.begin(scene)?;
-        // The driver compiles the kernel in the first pass, which is no part of the rendering.
-        let mut ended = render.pass()?;
-        let (start, first) = (Instant::now(), render.samples());
-        while ended.is_none() {
-            ended = render.pass()?;
-        }
-        let samples = (render.samples() - first) as f64 / render.samples() as f64;
-        let seconds = start.elapsed().as_secs_f64() / samples;
-        let Some(error) = render.image()?.error() else {
+        // The kernel is compiled in a render of its own: that is no part of the rendering.
+        let mut first = scene.clone();
+        first.render.spp = 1;
+        renderer.render(first)?;
+        let start = Instant::now();
+        let image = renderer.render(scene)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let Some(error) = image.error() else {
             println!("{:<26} no light found", strategy.to_string());
             continue;
         };

@@ -1,7 +1,6 @@
 //! A scene without a file: a sphere on a floor under a lamp, and a spot light.
 
-use direkt::scene::{FilmSize, SpotLight};
-use direkt::{Bsdf, Camera, Error, Geometry, Light, Renderer, Scene};
+use direkt::{Bsdf, Camera, Error, FilmSize, Geometry, Light, Renderer, Scene, SpotLight};
 use glam::DVec3;
 
 fn main() -> Result<(), Error> {

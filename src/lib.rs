@@ -52,7 +52,7 @@
 //! ```
 //!
 //! `examples/` has more: `scene_in_code`, `embed_wgpu` (the caller's device and texture), `compare_estimators` and `own_sampler`.
-//! What is named above is all that these need; the modules below are what it is made of.
+//! Most programs need no more than what stands at the root of this crate; its modules are what that is made of.
 //!
 //! # What holds everywhere
 //!
@@ -83,8 +83,8 @@
 //!   ```
 //!
 //!   An effect that reads new data adds it to [`scene`] with its loader, and a member of `Frame` or a buffer.
-//! - **a light without a surface**: a spot light is these files, and in one of them a line or a case each but for those that
-//!   have its name:
+//! - **a light without a surface**: a spot light is in these files; those that are not named after it have one line
+//!   or one case of it:
 //!
 //!   ```text
 //!   src/scene/lights/spot.rs           its data, keys in a scene file, checks, power, spread, record
@@ -98,8 +98,8 @@
 //!   tests/shader/light/, scenes/tests/ GPU against twin, and a scene with an exact value
 //!   ```
 //!
-//!   `tests/homes.rs` holds this list. Numbers for the fuzz test are made in `examples/fuzz/harness/numbers.rs`. A light that BSDF-sampled rays reach as well, such as a sun, has its density in
-//!   `shaders/kernel/direct.wesl` on top.
+//!   `tests/homes.rs` holds this list. Numbers for the fuzz test are made in `examples/fuzz/harness/numbers.rs`. A light that BSDF-sampled rays reach as well, such as a sun, also needs its density
+//!   in `shaders/kernel/direct.wesl`.
 //! - **a shape that emits**: its case in `shaders/light/area_light.wesl` and `shaders/scene/fetch.wesl`, its `sample_` and `pdf_`
 //!   functions in a file of `shaders/light/`, their twins, its bounds in [`emitters::tree`], and its effect.
 //! - **a BSDF**: a variant of [`scene::Bsdf`]; if it is not a case of the existing lobes, its `sample_`, `pdf_` and
@@ -136,9 +136,11 @@ pub mod scene;
 pub mod stats;
 
 pub use error::Error;
+pub use render::StoppedBy;
 pub use renderer::{Image, ProgressiveRender, Renderer};
 pub use scene::load::LoadOptions;
 pub use scene::{
-    Bsdf, Camera, Environment, Geometry, Light, LightSampling, LightSelection, Material,
-    MaterialId, RenderSettings, Sampler, Scene, Shape, Strategy,
+    Bsdf, Camera, DirectionalLight, Emission, Environment, EnvironmentRadiance, FilmSize, Geometry,
+    Light, LightSampling, LightSelection, Material, MaterialId, Mesh, PointLight, Projection,
+    RenderSettings, Sampler, Scene, Shape, SpotLight, Strategy, SunLight,
 };

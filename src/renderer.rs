@@ -1,13 +1,13 @@
-//! The door: a [`Renderer`] renders a [`Scene`] to an [`Image`] that says how right it is.
+//! A render in one call: a [`Renderer`] renders a [`Scene`] to an [`Image`] that says how right it is.
 
 use crate::error::Error;
 use crate::gpu::Context;
 use crate::image::png::Display;
 use crate::image::{exr, extension, layers, png};
 use crate::prepare::Prepared;
-use crate::render::{AovImages, Film, ImageError, Passes, Session, StoppedBy, render_aovs};
+use crate::render::{Film, ImageError, Passes, Session, StoppedBy, render_aovs};
 use crate::scene::Scene;
-use crate::scene::validate::validate;
+use crate::scene::load::validate_and_fold;
 use half::f16;
 use std::path::Path;
 
@@ -33,22 +33,24 @@ impl Renderer {
         Self { context }
     }
 
-    /// Renders `scene` until its samples, time or error are what [`Scene::render`] asks for.
+    /// Renders `scene` until the first of [`RenderSettings::spp`](crate::RenderSettings::spp), `time` and `error` is reached, or no sample finds any light.
+    /// What of a file has no meaning is in [`Scene::warnings`], which is the caller's to show.
     ///
     /// # Errors
-    /// A number of the scene is out of its domain, the scene is too large for the device, or the driver fails.
+    /// A number of the scene is out of its domain, the scene is too large for the device, or the driver fails, with which the
+    /// image is lost.
     pub fn render(&self, scene: Scene) -> Result<Image, Error> {
         let mut progress = self.begin(scene)?;
         while progress.pass()?.is_none() {}
-        progress.image()
+        progress.image_with_aovs()
     }
 
-    /// Begins to render `scene`, pass by pass.
+    /// Begins to render `scene`, pass by pass; [`RenderSettings::time`](crate::RenderSettings::time) begins now.
     ///
     /// # Errors
     /// A number of the scene is out of its domain, or the scene is too large for the device.
-    pub fn begin(&self, scene: Scene) -> Result<ProgressiveRender<'_>, Error> {
-        validate(&scene)?;
+    pub fn begin(&self, mut scene: Scene) -> Result<ProgressiveRender<'_>, Error> {
+        validate_and_fold(&mut scene)?;
         let (film, settings) = (scene.film, scene.render);
         let prepared = Prepared::of(scene);
         let session = Session::new(&self.context, &prepared, film, settings.seed)?;
@@ -56,6 +58,7 @@ impl Renderer {
             prepared,
             session,
             passes: Passes::new(&settings),
+            ended: None,
         })
     }
 }
@@ -66,20 +69,23 @@ pub struct ProgressiveRender<'a> {
     prepared: Prepared,
     session: Session<'a>,
     passes: Passes,
+    ended: Option<StoppedBy>,
 }
 
 impl ProgressiveRender<'_> {
-    /// Takes every pixel a few samples further, as many as a fraction of a second allows; what ended the render, where that is
-    /// done.
+    /// Takes every pixel a few samples further, as many as a fraction of a second allows; once the render has ended, nothing but
+    /// what ended it.
     ///
     /// # Errors
     /// The driver fails.
     pub fn pass(&mut self) -> Result<Option<StoppedBy>, Error> {
-        let ended = self.passes.take(&mut self.session, || false)?;
-        Ok(match ended {
-            None => self.passes.judge(&self.session)?,
-            ended => ended,
-        })
+        if self.ended.is_none() {
+            self.ended = self.passes.take(&mut self.session, || false)?;
+        }
+        if self.ended.is_none() {
+            self.ended = self.passes.judge(&self.session)?;
+        }
+        Ok(self.ended)
     }
 
     /// Samples per pixel so far.
@@ -87,25 +93,53 @@ impl ProgressiveRender<'_> {
         self.session.samples()
     }
 
-    /// The image so far, with the AOVs of [`RenderSettings::aovs`](crate::RenderSettings::aovs).
+    /// The image so far.
     ///
     /// # Errors
     /// The driver fails.
     pub fn image(&self) -> Result<Image, Error> {
         let (film, _) = self.session.snapshot()?;
-        let settings = self.prepared.settings;
-        let aovs = if settings.aovs.is_empty() || film.mean_samples() == 0 {
-            AovImages::default()
-        } else {
-            let image = (film.size, settings.seed);
-            let samples = film.mean_samples();
-            render_aovs(self.session.context(), &self.prepared, image, samples)?
-        };
+        let attributes = self.attributes(&film);
         Ok(Image {
-            channels: layers::channels(&self.prepared, &film, &aovs),
-            attributes: layers::attributes(&self.prepared, &aovs),
             film,
+            channels: Vec::new(),
+            attributes,
         })
+    }
+
+    /// The image so far with the AOVs of [`RenderSettings::aovs`](crate::RenderSettings::aovs), some of which have rays of their own.
+    ///
+    /// # Errors
+    /// The driver fails.
+    pub fn image_with_aovs(&self) -> Result<Image, Error> {
+        let mut image = self.image()?;
+        let settings = self.prepared.settings;
+        let samples = image.film.mean_samples();
+        if settings.aovs.is_empty() || samples == 0 {
+            return Ok(image);
+        }
+        let of_image = (image.film.size, settings.seed);
+        let aovs = render_aovs(self.session.context(), &self.prepared, of_image, samples)?;
+        image.channels = layers::channels(&self.prepared, &image.film, &aovs);
+        image
+            .attributes
+            .extend(layers::attributes(&self.prepared, &aovs));
+        Ok(image)
+    }
+
+    /// How the image came about.
+    fn attributes(&self, film: &Film) -> Vec<(&'static str, String)> {
+        let (settings, scene) = (&self.prepared.settings, &self.prepared.data.scene);
+        vec![
+            ("scene", scene.source.display().to_string()),
+            ("direkt", env!("CARGO_PKG_VERSION").to_owned()),
+            ("adapter", self.session.context().adapter.name.clone()),
+            ("seed", settings.seed.to_string()),
+            ("spp", film.mean_samples().to_string()),
+            ("strategy", settings.strategy.to_string()),
+            ("light_selection", settings.light_selection.to_string()),
+            ("sampler", settings.sampler.to_string()),
+        ]
     }
 }
 
@@ -145,12 +179,12 @@ impl Image {
         self.film.mean()
     }
 
-    /// Error of the whole image, with its interval; `None` while it cannot be told.
+    /// relMSE of the whole image with its 95 % interval; `None` while it cannot be told.
     pub fn error(&self) -> Option<ImageError> {
         self.film.error()
     }
 
-    /// What it was made of, for what this type does not offer.
+    /// The film: sums of every pixel, and all else that this type does not offer.
     pub fn film(&self) -> &Film {
         &self.film
     }
@@ -172,10 +206,10 @@ impl Image {
     }
 
     /// Writes the image into a texture of its size that may be copied to: linear radiance into `Rgba32Float` and `Rgba16Float`,
-    /// sRGB into `Rgba8Unorm` and `Rgba8UnormSrgb`; alpha is 1.
+    /// sRGB into `Rgba8Unorm` and `Rgba8UnormSrgb`; alpha is 1. Of an array its first layer, of mipmaps the largest.
     ///
     /// # Errors
-    /// The texture has another size or format.
+    /// The texture has another size or format, or may not be copied to.
     pub fn write_texture(&self, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Result<(), Error> {
         let (width, height) = (self.width(), self.height());
         if (texture.width(), texture.height()) != (width, height) {
@@ -185,6 +219,13 @@ impl Image {
                 texture.height()
             )));
         }
+        let refuse = |problem: &str| Err(Error::Usage(format!("the texture {problem}")));
+        if !texture.usage().contains(wgpu::TextureUsages::COPY_DST) {
+            return refuse("lacks the usage COPY_DST");
+        }
+        if texture.dimension() != wgpu::TextureDimension::D2 || texture.sample_count() != 1 {
+            return refuse("has another dimension than D2, or several samples");
+        }
         let pixels = self.radiance();
         let bytes: Vec<u8> = match texture.format() {
             wgpu::TextureFormat::Rgba32Float => {
@@ -192,7 +233,7 @@ impl Image {
                 texels.flat_map(bytemuck::cast::<_, [u8; 16]>).collect()
             }
             wgpu::TextureFormat::Rgba16Float => {
-                let texels = pixels.map(|[r, g, b]| [r, g, b, 1.0].map(f16::from_f64));
+                let texels = pixels.map(|[r, g, b]| [r, g, b, 1.0].map(half));
                 texels.flat_map(bytemuck::cast::<_, [u8; 8]>).collect()
             }
             wgpu::TextureFormat::Rgba8Unorm | wgpu::TextureFormat::Rgba8UnormSrgb => {
@@ -208,10 +249,20 @@ impl Image {
         };
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
-            bytes_per_row: Some(bytes.len() as u32 / height),
+            bytes_per_row: Some((bytes.len() / height as usize) as u32),
             rows_per_image: None,
         };
-        queue.write_texture(texture.as_image_copy(), &bytes, layout, texture.size());
+        let size = wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        };
+        queue.write_texture(texture.as_image_copy(), &bytes, layout, size);
         Ok(())
     }
+}
+
+/// `x` in 16 bits. What is beyond their range is their largest number: an image has no infinity.
+fn half(x: f64) -> f16 {
+    f16::from_f64(x.min(f16::MAX.to_f64()))
 }

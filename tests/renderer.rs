@@ -1,4 +1,4 @@
-//! The door: what `use direkt::…` offers.
+//! A render in one call, as programs use it.
 
 use crate::support::{context, floor_pixel, point_light, render, scene};
 use direkt::render::StoppedBy;
@@ -60,7 +60,50 @@ fn a_render_ends_where_its_settings_say() {
     assert!(samples < 10_000, "{samples}");
     scene.render.error = None;
     scene.render.time = Some(0.05);
-    assert_eq!(ended(scene).0, StoppedBy::Time);
+    assert_eq!(ended(scene.clone()).0, StoppedBy::Time);
+    scene.render.time = None;
+    scene.render.error = Some(0.5);
+    for shape in &mut scene.shapes {
+        shape.emission = None;
+    }
+    assert_eq!(ended(scene.clone()).0, StoppedBy::Black);
+    scene.render.spp = 8;
+    let renderer = renderer();
+    let mut render = renderer.begin(scene).unwrap();
+    while render.pass().unwrap().is_none() {}
+    assert_eq!(render.pass().unwrap(), Some(StoppedBy::Samples));
+    assert_eq!(render.samples(), 8);
+}
+
+#[test]
+fn images_from_code_are_checked() {
+    use direkt::Emission;
+    use direkt::scene::environment::Interpolation;
+    use direkt::scene::{TextureId, TextureUse, Wrap};
+    let mut scene = cornell();
+    scene.shapes[0].emission = Some(Emission {
+        radiance: DVec3::ONE,
+        two_sided: false,
+        texture: Some(TextureUse {
+            texture: TextureId(9),
+            transform: glam::DAffine2::IDENTITY,
+            wrap: [Wrap::Repeat; 2],
+            interpolation: Interpolation::Linear,
+            second_uvs: false,
+        }),
+    });
+    let error = renderer().render(scene).unwrap_err().to_string();
+    assert!(
+        error.contains("emission.texture: is texture 9 of 0"),
+        "{error}"
+    );
+}
+
+#[test]
+fn an_empty_scene_is_black() {
+    let mut scene = Scene::default();
+    (scene.film.width, scene.film.height) = (4, 4);
+    assert_eq!(renderer().render(scene).unwrap().mean(), [0.0; 3]);
 }
 
 #[test]
@@ -127,6 +170,15 @@ fn files_hold_what_their_names_say() {
 }
 
 fn texture(format: wgpu::TextureFormat, width: u32) -> wgpu::Texture {
+    let usage = wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC;
+    texture_for(format, width, usage)
+}
+
+fn texture_for(
+    format: wgpu::TextureFormat,
+    width: u32,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
     context().device.create_texture(&wgpu::TextureDescriptor {
         label: None,
         size: wgpu::Extent3d {
@@ -138,7 +190,7 @@ fn texture(format: wgpu::TextureFormat, width: u32) -> wgpu::Texture {
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: wgpu::TextureUsages::COPY_DST | wgpu::TextureUsages::COPY_SRC,
+        usage,
         view_formats: &[],
     })
 }
@@ -189,8 +241,12 @@ fn textures_hold_the_image() {
     let halves = texture(TextureFormat::Rgba16Float, 12);
     image.write_texture(queue, &halves).unwrap();
     let found: Vec<u16> = bytemuck::pod_collect_to_vec(&texels(&halves, 8));
-    let one = 0x3c00;
-    assert!(found.iter().skip(3).step_by(4).all(|&alpha| alpha == one));
+    let half = |x: f64| half::f16::from_f64(x).to_bits();
+    let expected: Vec<u16> = image
+        .radiance()
+        .flat_map(|[r, g, b]| [r, g, b, 1.0].map(half))
+        .collect();
+    assert_eq!(found, expected);
     let bytes = texture(TextureFormat::Rgba8UnormSrgb, 12);
     image.write_texture(queue, &bytes).unwrap();
     let display = direkt::image::png::Display::default();
@@ -202,9 +258,11 @@ fn textures_hold_the_image() {
         })
         .collect();
     assert_eq!(texels(&bytes, 4), expected);
+    let unwritable = texture_for(TextureFormat::Rgba8Unorm, 12, wgpu::TextureUsages::COPY_SRC);
     for (wrong, word) in [
         (texture(TextureFormat::Rgba32Float, 11), "11 × 8"),
         (texture(TextureFormat::R32Float, 12), "R32Float"),
+        (unwritable, "COPY_DST"),
     ] {
         let error = image.write_texture(queue, &wrong).unwrap_err();
         assert!(error.to_string().contains(word), "{error}");
