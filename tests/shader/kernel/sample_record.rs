@@ -16,6 +16,7 @@ fn record(steps: &str) -> ([DVec3; 3], [u32; 3]) {
             record_bsdf_hit, record_camera_hit, record_parts, record_shadow, record_way, recorded, start_record};",
         body: &format!("{steps} {WRITE}"),
         outputs: 12,
+        features: &["RECORD"],
         ..Function::default()
     };
     let answers = draw(context(), &function, 1);

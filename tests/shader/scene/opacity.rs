@@ -150,7 +150,7 @@ fn crossings_are_the_twins() {
                out_bool(0u, is_stopped(in_f32(3u), in_u32(4u), in_u32(5u)));",
         inputs: 6,
         outputs: 1,
-        features: &[],
+        features: &["ALPHA"],
     };
     let alphas = [
         0.0,
