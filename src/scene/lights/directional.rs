@@ -54,12 +54,8 @@ impl LightKind for DirectionalLight {
         "directional"
     }
 
-    fn strength(&self) -> DVec3 {
-        self.irradiance
-    }
-
-    fn strength_mut(&mut self) -> &mut DVec3 {
-        &mut self.irradiance
+    fn position_and_strength(&mut self) -> (Option<&mut DVec3>, &mut DVec3) {
+        (None, &mut self.irradiance)
     }
 
     fn check(&self) -> Result<(), Fault> {

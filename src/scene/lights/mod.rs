@@ -88,21 +88,8 @@ trait LightKind {
     /// Its name for people.
     fn name(&self) -> &'static str;
 
-    /// Where it is; `None` where it is infinitely far away.
-    fn position(&self) -> Option<DVec3> {
-        None
-    }
-
-    /// The same, to be moved.
-    fn position_mut(&mut self) -> Option<&mut DVec3> {
-        None
-    }
-
-    /// Radiant intensity (W·sr⁻¹) or irradiance (W·m⁻²) per channel.
-    fn strength(&self) -> DVec3;
-
-    /// The same, to be changed.
-    fn strength_mut(&mut self) -> &mut DVec3;
+    /// Where it is, `None` where it is infinitely far away; and its radiant intensity (W·sr⁻¹) or irradiance (W·m⁻²) per channel.
+    fn position_and_strength(&mut self) -> (Option<&mut DVec3>, &mut DVec3);
 
     /// Its radiance, where it has an extent.
     fn radiance(&self) -> Option<DVec3> {
@@ -186,18 +173,18 @@ impl Light {
     }
 
     /// Where it is; `None` where it is infinitely far away.
-    pub fn position(&self) -> Option<DVec3> {
-        self.kind().position()
+    pub fn position(mut self) -> Option<DVec3> {
+        self.kind_mut().position_and_strength().0.copied()
     }
 
     /// Its radiant intensity (W·sr⁻¹) where it has a position, else its irradiance on a surface that faces it (W·m⁻²).
-    pub fn strength(&self) -> DVec3 {
-        self.kind().strength()
+    pub fn strength(mut self) -> DVec3 {
+        *self.strength_mut()
     }
 
     /// The same, to be changed.
     pub fn strength_mut(&mut self) -> &mut DVec3 {
-        self.kind_mut().strength_mut()
+        self.kind_mut().position_and_strength().1
     }
 
     /// The key of its strength in a scene file.
@@ -215,13 +202,8 @@ impl Light {
 
     /// The light in normalised space.
     pub fn normalized(mut self, normalization: &Normalization) -> Self {
-        debug_assert_eq!(
-            self.position().is_some(),
-            self.kind_mut().position_mut().is_some()
-        );
-        if let Some(position) = self.kind_mut().position_mut() {
+        if let (Some(position), intensity) = self.kind_mut().position_and_strength() {
             *position = normalization.point(*position);
-            let intensity = self.strength_mut();
             *intensity = normalization.intensity(*intensity);
         }
         self

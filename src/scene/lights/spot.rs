@@ -85,20 +85,8 @@ impl LightKind for SpotLight {
         "spot"
     }
 
-    fn position(&self) -> Option<DVec3> {
-        Some(self.position)
-    }
-
-    fn position_mut(&mut self) -> Option<&mut DVec3> {
-        Some(&mut self.position)
-    }
-
-    fn strength(&self) -> DVec3 {
-        self.intensity
-    }
-
-    fn strength_mut(&mut self) -> &mut DVec3 {
-        &mut self.intensity
+    fn position_and_strength(&mut self) -> (Option<&mut DVec3>, &mut DVec3) {
+        (Some(&mut self.position), &mut self.intensity)
     }
 
     fn check(&self) -> Result<(), Fault> {

@@ -39,12 +39,8 @@ impl LightKind for SunLight {
         "sun"
     }
 
-    fn strength(&self) -> DVec3 {
-        self.irradiance
-    }
-
-    fn strength_mut(&mut self) -> &mut DVec3 {
-        &mut self.irradiance
+    fn position_and_strength(&mut self) -> (Option<&mut DVec3>, &mut DVec3) {
+        (None, &mut self.irradiance)
     }
 
     fn radiance(&self) -> Option<DVec3> {
