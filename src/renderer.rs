@@ -33,8 +33,10 @@ impl Renderer {
         Self { context }
     }
 
-    /// Renders `scene` until the first of [`RenderSettings::spp`](crate::RenderSettings::spp), `time` and `error` is reached, or no sample finds any light.
+    /// Renders `scene` until the first of [`RenderSettings::spp`], `time` and `error` is reached, or no sample finds any light.
     /// What of a file has no meaning is in [`Scene::warnings`], which is the caller's to show.
+    ///
+    /// [`RenderSettings::spp`]: crate::RenderSettings::spp
     ///
     /// # Errors
     /// A number of the scene is out of its domain, the scene is too large for the device, or the driver fails, with which the
@@ -99,7 +101,8 @@ impl ProgressiveRender<'_> {
     /// The driver fails.
     pub fn image(&self) -> Result<Image, Error> {
         let (film, _) = self.session.snapshot()?;
-        let attributes = self.attributes(&film);
+        let adapter = &self.session.context().adapter;
+        let attributes = layers::render_attributes(&self.prepared, &film, adapter);
         Ok(Image {
             film,
             channels: Vec::new(),
@@ -107,39 +110,21 @@ impl ProgressiveRender<'_> {
         })
     }
 
-    /// The image so far with the AOVs of [`RenderSettings::aovs`](crate::RenderSettings::aovs), some of which have rays of their own.
+    /// The image so far with the AOVs of [`RenderSettings::aovs`], some of which have rays of their own.
     ///
     /// # Errors
     /// The driver fails.
+    ///
+    /// [`RenderSettings::aovs`]: crate::RenderSettings::aovs
     pub fn image_with_aovs(&self) -> Result<Image, Error> {
         let mut image = self.image()?;
-        let settings = self.prepared.settings;
+        let of_image = (image.film.size, self.prepared.settings.seed);
         let samples = image.film.mean_samples();
-        if settings.aovs.is_empty() || samples == 0 {
-            return Ok(image);
-        }
-        let of_image = (image.film.size, settings.seed);
         let aovs = render_aovs(self.session.context(), &self.prepared, of_image, samples)?;
         image.channels = layers::channels(&self.prepared, &image.film, &aovs);
-        image
-            .attributes
-            .extend(layers::attributes(&self.prepared, &aovs));
+        let of_channels = layers::attributes(&self.prepared, &aovs);
+        image.attributes.extend(of_channels);
         Ok(image)
-    }
-
-    /// How the image came about.
-    fn attributes(&self, film: &Film) -> Vec<(&'static str, String)> {
-        let (settings, scene) = (&self.prepared.settings, &self.prepared.data.scene);
-        vec![
-            ("scene", scene.source.display().to_string()),
-            ("direkt", env!("CARGO_PKG_VERSION").to_owned()),
-            ("adapter", self.session.context().adapter.name.clone()),
-            ("seed", settings.seed.to_string()),
-            ("spp", film.mean_samples().to_string()),
-            ("strategy", settings.strategy.to_string()),
-            ("light_selection", settings.light_selection.to_string()),
-            ("sampler", settings.sampler.to_string()),
-        ]
     }
 }
 

@@ -1,6 +1,7 @@
 //! AOVs as channels of an EXR; `docs/aov.md` lists them with the programs that look for their names.
 
 use super::exr::{Channel, single};
+use crate::gpu::AdapterFacts;
 use crate::gpu::features::Features;
 use crate::prepare::Prepared;
 use crate::render::aov::SurfacePoint;
@@ -81,6 +82,33 @@ fn triple<T: Sync>(
         (format!("{layer}.{name}"), values.collect())
     });
     channels.collect()
+}
+
+/// How an image came about on `adapter`: scene, settings, samples per pixel.
+pub fn render_attributes(
+    prepared: &Prepared,
+    film: &Film,
+    adapter: &AdapterFacts,
+) -> Vec<(&'static str, String)> {
+    let settings = &prepared.settings;
+    let mut attributes = vec![
+        ("scene", prepared.data.scene.source.display().to_string()),
+        ("adapter", adapter.name.clone()),
+        ("driver", adapter.driver.clone()),
+        ("seed", settings.seed.to_string()),
+        ("spp", film.mean_samples().to_string()),
+        ("adaptive", settings.adaptive.to_string()),
+        ("direkt", env!("CARGO_PKG_VERSION").to_owned()),
+        ("strategy", settings.strategy.to_string()),
+        ("light_selection", settings.light_selection.to_string()),
+        ("light_sampling", settings.light_sampling.to_string()),
+        ("mis_compensation", settings.mis_compensation.to_string()),
+        ("shadow_rays", settings.shadow_rays.to_string()),
+        ("shadow_pattern", settings.shadow_pattern.to_string()),
+        ("sampler", settings.sampler.to_string()),
+    ];
+    attributes.extend(prepared.bias().map(|bias| ("biased", bias)));
+    attributes
 }
 
 /// What belongs to the channels: names of the numbers in them, as JSON objects, and the samples of averaged ones.

@@ -41,7 +41,7 @@ pub struct AovImages {
     pub surfaces: Option<Vec<Option<SurfacePoint>>>,
 }
 
-/// Renders the AOVs of `prepared` that have rays of their own, for an image that has `samples` samples per pixel.
+/// Renders the AOVs of `prepared` that have rays of their own, for an image that has `samples` samples per pixel; none for one without.
 ///
 /// # Errors
 /// The scene is too large for the adapter, or the driver fails.
@@ -53,8 +53,11 @@ pub fn render_aovs(
 ) -> Result<AovImages, GpuError> {
     let aovs = prepared.settings.aovs;
     let mut images = AovImages::default();
+    if samples == 0 {
+        return Ok(images);
+    }
     if aovs.has_features() {
-        images.feature_samples = samples.clamp(1, FEATURE_SAMPLES);
+        images.feature_samples = samples.min(FEATURE_SAMPLES);
         let samples = images.feature_samples;
         let features = features::features(context, prepared, (film, seed), samples)?;
         images.features = Some(features);

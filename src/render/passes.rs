@@ -66,8 +66,8 @@ impl Passes {
         self.start.elapsed()
     }
 
-    /// Takes one pass, which [`judge`](Self::judge) may follow, unless there is nothing left to do. The first is finished whatever the time, so that there is an image;
-    /// `interrupted` is asked between dispatches.
+    /// Takes one pass, which [`judge`](Self::judge) may follow, unless there is nothing left to do. The first is finished
+    /// whatever the time, so that there is an image; `interrupted` is asked between dispatches.
     ///
     /// # Errors
     /// The driver fails.

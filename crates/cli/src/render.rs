@@ -21,7 +21,7 @@ use direkt::render::{
 };
 use direkt::scene::{Aovs, Scene};
 use live::{Live, LiveArguments};
-use report::{Seconds, attributes, ledger_sentence, report, summary};
+use report::{Seconds, command_line, ledger_sentence, report, summary};
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -286,10 +286,7 @@ impl Rendered {
         let start = Instant::now();
         let samples = film.mean_samples();
         let image = (film.size, prepared.settings.seed);
-        let aovs = match samples {
-            0 => Ok(AovImages::default()),
-            _ => render_aovs(session.context(), prepared, image, samples),
-        };
+        let aovs = render_aovs(session.context(), prepared, image, samples);
         let aovs = match aovs {
             Err(error) if !matches!(error, GpuError::Lost { .. }) => {
                 failures.note(Err(error.into()));
@@ -331,9 +328,11 @@ fn finish(
     mut failures: Failures,
 ) -> Result<ExitCode, Error> {
     let film = &rendered.film;
+    let render_seconds = format!("{:.3}", seconds.render);
     let mut report = report(prepared, &rendered, seconds);
     let channels = layers::channels(prepared, film, &rendered.aovs);
-    let mut attributes = attributes(&report);
+    let mut attributes = layers::render_attributes(prepared, film, &rendered.device.adapter);
+    attributes.extend([("command", command_line()), ("seconds", render_seconds)]);
     attributes.extend(layers::attributes(prepared, &rendered.aovs));
     let mut written = Vec::new();
     for (path, bytes) in arguments.outputs.encode(film, &channels, &attributes) {

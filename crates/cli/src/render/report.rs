@@ -122,32 +122,8 @@ fn effect_reports(prepared: &Prepared) -> Vec<EffectReport> {
     effects.collect()
 }
 
-/// The EXR's attributes.
-pub(super) fn attributes(report: &Report) -> Vec<(&'static str, String)> {
-    let mut attributes = vec![
-        ("command", command_line()),
-        ("scene", report.scene.clone()),
-        ("adapter", report.adapter.name.clone()),
-        ("driver", report.adapter.driver.clone()),
-        ("seed", report.seed.to_string()),
-        ("spp", report.spp.to_string()),
-        ("adaptive", report.adaptive.to_string()),
-        ("seconds", format!("{:.3}", report.seconds.render)),
-        ("direkt", report.direkt.to_owned()),
-        ("strategy", report.strategy.to_string()),
-        ("light_selection", report.light_selection.to_string()),
-        ("light_sampling", report.light_sampling.to_string()),
-        ("mis_compensation", report.mis_compensation.to_string()),
-        ("shadow_rays", report.shadow_rays.to_string()),
-        ("shadow_pattern", report.shadow_pattern.to_string()),
-        ("sampler", report.sampler.to_string()),
-    ];
-    attributes.extend(report.biased.clone().map(|bias| ("biased", bias)));
-    attributes
-}
-
 /// The command line as UTF-8: what is none has replacement characters.
-fn command_line() -> String {
+pub(super) fn command_line() -> String {
     let arguments: Vec<_> = std::env::args_os().collect();
     arguments
         .join(OsStr::new(" "))
