@@ -4,6 +4,7 @@ use crate::error::InputError;
 use crate::scene::material::DielectricLayer;
 use crate::scene::{Bsdf, Material, Texels, Texture, TextureUse};
 use glam::DVec3;
+use half::f16;
 use std::path::Path;
 
 /// Largest index of refraction.
@@ -39,7 +40,9 @@ pub(super) fn texels(file: &Path, texture: &Texture, index: usize) -> Outcome {
         Texels::Bytes(texels) => (texels.len(), true),
         Texels::Halves(texels) => {
             let mut numbers = texels.iter().flatten();
-            let are_numbers = numbers.all(|x| x.is_finite() && x.to_f32() >= 0.0);
+            // By bits, as loaded images of many millions pass through here as well.
+            let are_numbers =
+                numbers.all(|x| *x == f16::NEG_ZERO || x.to_bits() < f16::INFINITY.to_bits());
             (texels.len(), are_numbers)
         }
     };
