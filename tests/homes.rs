@@ -1,10 +1,11 @@
 //! The source files that name one kind of light or one sampler: few, and listed here. Tests, examples and re-exports do not count.
 
 use crate::support::project;
+use crate::support::source::{code, source_files};
 use clap::ValueEnum;
 use direkt::scene::{Light, Sampler};
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// Where a light without a surface is at home; `KIND` is its name.
 const HOME: [&str; 8] = [
@@ -18,30 +19,17 @@ const HOME: [&str; 8] = [
     "src/scene/lights/mod.rs",
 ];
 
-/// Files that know some kinds because they do more with them: glTF has them, their irradiance is known exactly, or rays reach
-/// them.
+/// Files that know the kinds that glTF has, whose irradiance is known exactly.
+const PUNCTUAL: &[&str] = &[
+    "src/reference/exact/scene.rs",
+    "src/scene/load/gltf_scene/lights.rs",
+];
+
+/// Files that know some kinds because they do more with them; BSDF-sampled rays reach suns.
 const GUESTS: [(&str, &[&str]); 4] = [
-    (
-        "point",
-        &[
-            "src/reference/exact/scene.rs",
-            "src/scene/load/gltf_scene/lights.rs",
-        ],
-    ),
-    (
-        "spot",
-        &[
-            "src/reference/exact/scene.rs",
-            "src/scene/load/gltf_scene/lights.rs",
-        ],
-    ),
-    (
-        "directional",
-        &[
-            "src/reference/exact/scene.rs",
-            "src/scene/load/gltf_scene/lights.rs",
-        ],
-    ),
+    ("point", PUNCTUAL),
+    ("spot", PUNCTUAL),
+    ("directional", PUNCTUAL),
     (
         "sun",
         &[
@@ -68,24 +56,17 @@ const HOME_OF_SAMPLERS: [&str; 3] = [
     "src/reference/core/sampler.rs",
 ];
 
-/// Source files in `folder` with their names, without comments, unit tests and re-exports.
-fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let is_source = path.extension().is_some_and(|e| e == "rs" || e == "wesl");
-        if path.is_dir() {
-            sources(&path, found);
-        } else if is_source && !path.ends_with("tests.rs") {
-            let text = std::fs::read_to_string(&path).unwrap();
-            let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
-            let lines = code
-                .lines()
-                .filter(|line| !line.trim_start().starts_with("//"));
-            let code = lines.collect::<Vec<_>>().join("\n");
-            let name = path.strip_prefix(project("")).unwrap().to_str().unwrap();
-            found.push((name.to_owned(), without_reexports(&code)));
-        }
-    }
+/// Source files in `folders` with their names, without comments, unit tests and re-exports.
+fn sources(folders: &[&str]) -> Vec<(String, String)> {
+    let files = folders.iter();
+    let files = files.flat_map(|folder| source_files(&project(folder), &["rs", "wesl"]));
+    let files = files.filter(|path| !path.ends_with("tests.rs"));
+    let read = |path: PathBuf| {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let name = path.strip_prefix(project("")).unwrap().to_str().unwrap();
+        (name.to_owned(), without_reexports(&code(&text)))
+    };
+    files.map(read).collect()
 }
 
 fn without_reexports(code: &str) -> String {
@@ -106,16 +87,13 @@ fn names(code: &str, name: &str) -> bool {
 
 #[test]
 fn a_light_is_named_in_eight_files() {
-    let mut files = Vec::new();
-    for folder in [
+    let files = sources(&[
         "src",
         "shaders",
         "crates/cli/src",
         "crates/instruments/src",
         "crates/window/src",
-    ] {
-        sources(&project(folder), &mut files);
-    }
+    ]);
     assert!(files.len() > 300, "{} files", files.len());
     for (module, constant, _) in Light::CONSTANTS {
         let kind = module.strip_prefix("light::").unwrap();
@@ -151,10 +129,7 @@ fn a_light_is_named_in_eight_files() {
 
 #[test]
 fn a_sampler_is_named_in_three_files_beside_its_definition() {
-    let mut files = Vec::new();
-    for folder in ["src", "shaders"] {
-        sources(&project(folder), &mut files);
-    }
+    let files = sources(&["src", "shaders"]);
     for sampler in Sampler::value_variants() {
         let words = [
             format!("Sampler::{sampler:?}"),

@@ -2,8 +2,8 @@
 //! window, command line) are packages of their own, which the compiler keeps apart.
 
 use crate::support::project;
+use crate::support::source::{code, source_files};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 
 /// Modules of `src/`, each with those that it may import.
 const LAYERS: [(&str, &[&str]); 16] = [
@@ -42,26 +42,10 @@ const LAYERS: [(&str, &[&str]); 16] = [
     ("lib", &[]),
 ];
 
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let entries = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|e| e.unwrap().path());
-    let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
-    let mut files: Vec<_> = files
-        .into_iter()
-        .filter(|path| path.extension().is_some_and(|e| e == "rs"))
-        .collect();
-    files.extend(folders.iter().flat_map(|folder| rust_files(folder)));
-    files
-}
-
 /// Modules of the crate that `text` names outside comments and its own unit tests, which end a file.
 fn imports(text: &str) -> BTreeSet<String> {
-    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
-    let lines = code
-        .lines()
-        .filter(|line| !line.trim_start().starts_with("//"));
-    let names = lines.flat_map(|line| line.split("crate::").skip(1));
+    let code = code(text);
+    let names = code.split("crate::").skip(1);
     names
         .map(|rest| {
             rest.chars()
@@ -74,7 +58,7 @@ fn imports(text: &str) -> BTreeSet<String> {
 #[test]
 fn no_module_imports_one_above_it() {
     let source = project("src");
-    let files = rust_files(&source);
+    let files = source_files(&source, &["rs"]);
     assert!(files.len() > 200, "{} files", files.len());
     let mut seen = BTreeSet::new();
     let mut upwards = Vec::new();

@@ -10,6 +10,7 @@ pub mod histogram;
 pub mod random;
 pub mod rounding;
 pub mod shader;
+pub mod source;
 pub mod statistics;
 pub mod twin;
 
@@ -19,9 +20,8 @@ use direkt::prepare::Prepared;
 use direkt::render::{Film, Session, StopReason};
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
-    Bsdf, Camera, Emission, FilmSize, Geometry, Light, LightGroups, LightSelection, Material,
-    MaterialId, MaterialTextures, Opacity, PixelFilter, PointLight, RenderSettings, Sampler, Scene,
-    Shape, Strategy,
+    Bsdf, Camera, Emission, FilmSize, Geometry, Light, LightSelection, Material, MaterialId,
+    PointLight, RenderSettings, Sampler, Scene, Shape, Strategy,
 };
 use direkt::stats::z_test::z_test;
 use glam::DVec3;
@@ -155,15 +155,10 @@ pub fn take(session: &mut Session<'_>, spp: u64) {
 
 /// A Lambert material, both of its sides.
 pub fn lambert(reflectance: f64) -> Material {
-    Material {
-        name: "lambert".to_owned(),
-        bsdf: Bsdf::Lambert {
-            reflectance: DVec3::splat(reflectance),
-        },
-        double_sided: true,
-        textures: MaterialTextures::default(),
-        opacity: Opacity::default(),
-    }
+    let bsdf = Bsdf::Lambert {
+        reflectance: DVec3::splat(reflectance),
+    };
+    Material::new("lambert", bsdf)
 }
 
 /// A shape of material 0 that does not emit.
@@ -213,19 +208,13 @@ pub fn floor_pixel() -> Scene {
             height: 1,
         },
         materials: vec![lambert(0.5)],
-        textures: vec![],
         shapes: vec![shape("floor", floor)],
-        lights: vec![],
-        environment: None,
         render: RenderSettings {
             spp: 16,
             sampler: Sampler::Independent,
             ..RenderSettings::default()
         },
-        expect: None,
-        warnings: vec![],
-        filter: PixelFilter::default(),
-        light_groups: LightGroups::default(),
+        ..Scene::default()
     }
 }
 
