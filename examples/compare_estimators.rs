@@ -18,10 +18,10 @@ fn main() -> Result<(), Error> {
     ] {
         let mut scene = Scene::load("scenes/veach.toml", &LoadOptions::default())?;
         (scene.film.width, scene.film.height) = (192, 128);
-        (scene.render.strategy, scene.render.spp) = (strategy, 64);
+        (scene.render.estimator.strategy, scene.render.stop.spp) = (strategy, 64);
         // The kernel is compiled in a render of its own: that is no part of the rendering.
         let mut first = scene.clone();
-        first.render.spp = 1;
+        first.render.stop.spp = 1;
         renderer.render(first)?;
         let start = Instant::now();
         let image = renderer.render(scene)?;

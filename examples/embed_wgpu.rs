@@ -8,7 +8,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (device, queue) = pollster::block_on(open())?;
     let mut scene = Scene::load("scenes/veach.toml", &LoadOptions::default())?;
-    scene.render.spp = 32;
+    scene.render.stop.spp = 32;
     let texture = texture(&device, scene.film.width, scene.film.height);
 
     let renderer = Renderer::from_device(&device, &queue);

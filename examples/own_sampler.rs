@@ -1,8 +1,8 @@
 //! A way of sampling of the reader's own, tested as direkt tests its own: a χ² test of the samples against the density that goes
 //! with them, and one that a wrong density fails.
 
-use direkt::reference::core::rng::{pcg4d, to_unit_2d};
-use direkt::stats::chi2::{Totals, chi2_test};
+use direkt::low_level::reference::core::rng::{pcg4d, to_unit_2d};
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 

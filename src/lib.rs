@@ -28,8 +28,8 @@
 //! ```
 //!
 //! One direction only: `scene ← accel ← emitters ← effects ← prepare ← gpu ← render ← image ← renderer`; a test holds these layers
-//! (`tests/layers.rs` has the table). Beside `gpu`, and without it, [`reference`](mod@reference) computes in f64 what samples
-//! should be, and [`stats`] decides whether they are.
+//! (`tests/layers.rs` has the table). Beside `gpu`, and without it, [`low_level::reference`] computes in f64 what samples
+//! should be, and [`low_level::stats`] decides whether they are.
 //!
 //! This package is the core: no window, no command line, no plots. Above it stand, as packages that the compiler keeps apart:
 //!
@@ -52,7 +52,7 @@
 //! ```
 //!
 //! `examples/` has more: `scene_in_code`, `embed_wgpu` (the caller's device and texture), `compare_estimators` and `own_sampler`.
-//! Most programs need no more than what stands at the root of this crate; its modules are what that is made of.
+//! Most programs need no more than what stands at the root of this crate, and [`scene`]; [`low_level`] is what that is made of.
 //!
 //! # What holds everywhere
 //!
@@ -69,13 +69,13 @@
 //!
 //! # How to add
 //!
-//! - **an effect**: an entry in the table of [`effects`] with its WESL feature, name and the rule that calls for it; the code
-//!   under `@if(FEATURE)` in a file of `shaders/`, its twin in the file of the same name of [`mod@reference`], its test in the
+//! - **an effect**: an entry in the table of [`low_level::effects`] with its WESL feature, name and the rule that calls for it; the code
+//!   under `@if(FEATURE)` in a file of `shaders/`, its twin in the file of the same name of [`low_level::reference`], its test in the
 //!   file of the same name of `tests/shader/`, and a scene of it in `scenes/tests/`. Everything else follows from the entry:
 //!   `tests/permutations.rs` links it alone, `explain` tells of it, `compare` compares it. Depth of field, for example, is
 //!
 //!   ```text
-//!   src/effects.rs                    DepthOfField "DEPTH_OF_FIELD" "depth-of-field" Simulation |r| r.depth_of_field();
+//!   src/effects/mod.rs                    DepthOfField "DEPTH_OF_FIELD" "depth-of-field" Simulation |r| r.depth_of_field();
 //!   shaders/kernel/camera.wesl        @if(DEPTH_OF_FIELD) { … frame.lens_right … }
 //!   src/reference/kernel/camera.rs    the same in f64
 //!   tests/shader/kernel/camera.rs     GPU against twin, ray by ray
@@ -89,7 +89,7 @@
 //!   ```text
 //!   src/scene/lights/spot.rs           its data, keys in a scene file, checks, power, spread, record
 //!   src/scene/lights/mod.rs            its row in the table of kinds
-//!   src/effects.rs                     its effect, LIGHT_SPOTS
+//!   src/effects/mod.rs                     its effect, LIGHT_SPOTS
 //!   shaders/light/spot.wesl            sample_spot_light
 //!   shaders/light/light.wesl           its case
 //!   src/reference/light/spot.rs        the same in f64, which reads nothing of the record
@@ -101,12 +101,12 @@
 //!   `tests/homes.rs` holds this list. Numbers for the fuzz test are made in `examples/fuzz/harness/numbers.rs`. A light that BSDF-sampled rays reach as well, such as a sun, also needs its density
 //!   in `shaders/kernel/direct.wesl`.
 //! - **a shape that emits**: its case in `shaders/light/area_light.wesl` and `shaders/scene/fetch.wesl`, its `sample_` and `pdf_`
-//!   functions in a file of `shaders/light/`, their twins, its bounds in [`emitters::tree`], and its effect.
+//!   functions in a file of `shaders/light/`, their twins, its bounds in [`low_level::emitters::tree`], and its effect.
 //! - **a BSDF**: a variant of [`scene::Bsdf`]; if it is not a case of the existing lobes, its `sample_`, `pdf_` and
 //!   `eval_` in `shaders/bsdf/` and its place in `shaders/bsdf/bsdf.wesl`, or in `shaders/bsdf/specular.wesl` where camera
 //!   rays go on in it.
-//! - **an AOV**: a variant of [`scene::Aov`], what it is made of in [`render::aov`] or in the film, its channels in
-//!   [`image::layers`], and its row in `docs/aov.md`.
+//! - **an AOV**: a variant of [`scene::Aov`], what it is made of in [`low_level::render::aov`] or in the film, its channels in
+//!   [`low_level::image::layers`], and its row in `docs/aov.md`.
 //!
 //! # What is awkward today
 //!
@@ -118,29 +118,25 @@
 //! - Meshes that exceed a binding (128 MiB on lavapipe: 2.8 million triangles) are refused after they are read.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
+#![warn(unnameable_types, unreachable_pub)]
 
-pub mod accel;
-pub mod console;
-pub mod effects;
-pub mod emitters;
 pub mod error;
-mod golden;
-pub mod gpu;
-pub mod image;
-pub mod output;
-pub mod prepare;
-pub mod reference;
-pub mod render;
-pub mod renderer;
+mod lattice;
+pub mod low_level;
+mod renderer;
 pub mod scene;
-pub mod stats;
+
+use low_level::{
+    accel, console, effects, emitters, gpu, image, output, prepare, reference, render, stats,
+};
 
 pub use error::Error;
-pub use render::StoppedBy;
+pub use render::{Film, RelMse, StoppedBy};
 pub use renderer::{Image, ProgressiveRender, Renderer};
 pub use scene::load::LoadOptions;
 pub use scene::{
-    Bsdf, Camera, DirectionalLight, Emission, Environment, EnvironmentRadiance, FilmSize, Geometry,
-    Light, LightSampling, LightSelection, Material, MaterialId, Mesh, PointLight, Projection,
-    RenderSettings, Sampler, Scene, Shape, SpotLight, Strategy, SunLight,
+    Bsdf, Camera, DirectionalLight, Emission, Environment, EnvironmentRadiance, EstimatorSettings,
+    FilmSize, Geometry, Light, LightSampling, LightSelection, Material, MaterialId, Mesh,
+    PointLight, Projection, RenderSettings, Sampler, Scene, Shape, SpotLight, StopSettings,
+    Strategy, SunLight,
 };

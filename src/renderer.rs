@@ -5,7 +5,7 @@ use crate::gpu::Context;
 use crate::image::png::Display;
 use crate::image::{exr, extension, layers, png};
 use crate::prepare::Prepared;
-use crate::render::{Film, ImageError, Passes, Session, StoppedBy, render_aovs};
+use crate::render::{Film, Passes, RelMse, Session, StoppedBy, render_aovs};
 use crate::scene::Scene;
 use crate::scene::load::validate_and_fold;
 use half::f16;
@@ -165,7 +165,7 @@ impl Image {
     }
 
     /// relMSE of the whole image with its 95 % interval; `None` while it cannot be told.
-    pub fn error(&self) -> Option<ImageError> {
+    pub fn error(&self) -> Option<RelMse> {
         self.film.error()
     }
 

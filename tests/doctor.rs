@@ -2,11 +2,11 @@
 
 use crate::support::context;
 use crate::support::hard_cases::{Measured, survive, survive_by_driver};
-use direkt::gpu::doctor::arithmetic::arithmetic;
-use direkt::gpu::doctor::examine;
-use direkt::gpu::doctor::loops::loop_budget;
-use direkt::gpu::doctor::precision::sweep;
-use direkt::gpu::shader::{Config, link};
+use direkt::low_level::gpu::doctor::arithmetic::arithmetic;
+use direkt::low_level::gpu::doctor::examine;
+use direkt::low_level::gpu::doctor::loops::loop_budget;
+use direkt::low_level::gpu::doctor::precision::sweep;
+use direkt::low_level::gpu::shader::{KernelConstants, link};
 
 #[test]
 fn every_canary_counts_and_only_known_drivers_cut_loops() {
@@ -96,7 +96,7 @@ fn elementary_functions_are_as_accurate_as_promised() {
 #[test]
 fn no_shader_needs_subgroups() {
     let context = context();
-    let config = Config::default();
+    let config = KernelConstants::default();
     let wgsl = link("kernel::loop_canary", [], config).unwrap();
     let asking = format!("enable subgroups;\n{wgsl}");
     let compiles = context.checked(|| {

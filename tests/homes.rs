@@ -11,7 +11,7 @@ use std::path::PathBuf;
 const HOME: [&str; 8] = [
     "shaders/light/KIND.wesl",
     "shaders/light/light.wesl",
-    "src/effects.rs",
+    "src/effects/mod.rs",
     "src/reference/light/KIND.rs",
     "src/reference/light/light.rs",
     "src/reference/light/mod.rs",
@@ -52,7 +52,7 @@ const GUESTS: [(&str, &[&str]); 4] = [
 /// `shaders/core/` and its twin on top.
 const HOME_OF_SAMPLERS: [&str; 3] = [
     "shaders/core/sampler.wesl",
-    "src/effects.rs",
+    "src/effects/mod.rs",
     "src/reference/core/sampler.rs",
 ];
 

@@ -6,13 +6,13 @@ use crate::support::source::{code, source_files};
 use std::collections::BTreeSet;
 
 /// Modules of `src/`, each with those that it may import.
-const LAYERS: [(&str, &[&str]); 16] = [
+const LAYERS: [(&str, &[&str]); 17] = [
     ("console", &[]),
-    ("golden", &[]),
+    ("lattice", &[]),
     ("stats", &[]),
     ("error", &[]),
     ("output", &["console", "error"]),
-    ("scene", &["error", "golden"]),
+    ("scene", &["error", "lattice"]),
     ("accel", &["scene"]),
     ("emitters", &["accel", "scene"]),
     ("effects", &["accel", "emitters", "scene"]),
@@ -28,7 +28,7 @@ const LAYERS: [(&str, &[&str]); 16] = [
     (
         "render",
         &[
-            "effects", "error", "golden", "gpu", "prepare", "scene", "stats",
+            "effects", "error", "lattice", "gpu", "prepare", "scene", "stats",
         ],
     ),
     (
@@ -39,6 +39,7 @@ const LAYERS: [(&str, &[&str]); 16] = [
         "renderer",
         &["error", "gpu", "image", "prepare", "render", "scene"],
     ),
+    ("low_level", &[]),
     ("lib", &[]),
 ];
 

@@ -1,9 +1,9 @@
 //! Host structs and constants against the shaders': every member's name, offset and size, by naga's reflection.
 
-use direkt::gpu::layout::{
+use direkt::low_level::gpu::layout::{
     self, Dispatch, FeatureSums, Frame, PixelState, SampleRecord, SurfaceRecord,
 };
-use direkt::gpu::shader::{Config, link_with};
+use direkt::low_level::gpu::shader::{KernelConstants, link_with};
 use direkt_instruments::lab::layout::{LabBlock, LabRun};
 use std::mem::offset_of;
 
@@ -25,7 +25,7 @@ fn reflected() -> naga::Module {
                @compute @workgroup_size(1) fn main() {\n\
                frame.width = work.first_tile + state.samples + record.shadow + sums.samples + surface.primitive;\n";
     source += &format!("frame.height = {};\n}}\n", names.join(" + "));
-    let wgsl = link_with("test_layout", Some(&source), [], Config::default()).unwrap();
+    let wgsl = link_with("test_layout", Some(&source), [], KernelConstants::default()).unwrap();
     naga::front::wgsl::parse_str(&wgsl).unwrap()
 }
 
@@ -91,7 +91,7 @@ fn structs_have_the_same_members() {
         environment_y,
         environment_height,
         environment_z,
-        environment_selection,
+        environment_samples,
         environment_radiance,
         far,
         environment_grid,
@@ -180,7 +180,7 @@ fn the_labs_structs_have_the_same_members() {
         @group(0) @binding(0) var<uniform> work: LabRun;
         @group(0) @binding(1) var<storage, read_write> block: LabBlock;
         @compute @workgroup_size(1) fn main() { block.samples = work.samples; }";
-    let wgsl = link_with("test_layout", Some(source), [], Config::default()).unwrap();
+    let wgsl = link_with("test_layout", Some(source), [], KernelConstants::default()).unwrap();
     let module = naga::front::wgsl::parse_str(&wgsl).unwrap();
     let run = members!(LabRun {
         variant,
@@ -222,7 +222,9 @@ fn constants_have_the_same_values() {
 
 #[test]
 fn a_workgroup_is_a_tile() {
-    let wgsl = direkt::gpu::shader::link("kernel::direct", [], Config::default()).unwrap();
+    let wgsl =
+        direkt::low_level::gpu::shader::link("kernel::direct", [], KernelConstants::default())
+            .unwrap();
     let module = naga::front::wgsl::parse_str(&wgsl).unwrap();
     let entry = &module.entry_points[0];
     assert_eq!(entry.workgroup_size, [layout::TILE_PIXELS, 1, 1]);

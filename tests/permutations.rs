@@ -2,14 +2,14 @@
 
 use crate::support::{STRATEGIES, own_scenes, prepared_for};
 use clap::ValueEnum;
-use direkt::accel::parts::Split;
-use direkt::effects::{Effect, Effects};
-use direkt::gpu::SceneKernel;
-use direkt::gpu::kernel::DIRECT;
-use direkt::gpu::shader::Config;
+use direkt::low_level::accel::parts::Split;
+use direkt::low_level::effects::{Effect, Effects};
+use direkt::low_level::gpu::SceneKernel;
+use direkt::low_level::gpu::kernel::DIRECT;
+use direkt::low_level::gpu::shader::KernelConstants;
 use direkt::scene::{LightSelection, ShadowPattern, Strategy};
 
-const CONFIG: Config = Config {
+const CONFIG: KernelConstants = KernelConstants {
     stack_depth: 16,
     stamp: 1,
     light_groups: 2,
@@ -22,7 +22,7 @@ fn validate(effects: &Effects, what: &str) -> String {
     validate_with(effects, CONFIG, what)
 }
 
-fn validate_with(effects: &Effects, config: Config, what: &str) -> String {
+fn validate_with(effects: &Effects, config: KernelConstants, what: &str) -> String {
     let wgsl =
         SceneKernel::link(&DIRECT, effects, config).unwrap_or_else(|e| panic!("{what}: {e}"));
     let module = naga::front::wgsl::parse_str(&wgsl)
@@ -54,8 +54,8 @@ fn shadow_rays_link_in_every_pattern() {
         for &pattern in ShadowPattern::value_variants() {
             for &selection in LightSelection::value_variants() {
                 let mut scene = scene.clone();
-                scene.render.shadow_rays = 4;
-                scene.render.shadow_pattern = pattern;
+                scene.render.estimator.shadow_rays = 4;
+                scene.render.estimator.shadow_pattern = pattern;
                 let prepared = prepared_for(scene, Strategy::MisPower, selection);
                 validate(
                     &prepared.effects,
@@ -83,7 +83,7 @@ fn no_effect_and_all_effects_link() {
         all.call_for(effect, || "all".to_owned());
     }
     validate(&all, "all");
-    let split = Config {
+    let split = KernelConstants {
         split: Some(Split::of_words(1 << 23)),
         ..CONFIG
     };
@@ -114,7 +114,7 @@ fn what_a_scene_does_not_call_for_is_not_in_its_shader() {
         "estimate_by_shadow_rays",
         "grid_point",
         "part_of_sample",
-        "own_samples",
+        "light_with_its_samples",
         "opacity_at",
         "is_stopped",
         "primitives_1",

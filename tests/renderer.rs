@@ -1,7 +1,7 @@
 //! A render in one call, as programs use it.
 
 use crate::support::{context, floor_pixel, point_light, render, scene};
-use direkt::render::StoppedBy;
+use direkt::low_level::render::StoppedBy;
 use direkt::scene::{Aov, Aovs, FilmSize};
 use direkt::{Bsdf, Error, Geometry, Image, Renderer, Scene};
 use glam::DVec3;
@@ -18,7 +18,7 @@ fn cornell() -> Scene {
         width: 12,
         height: 8,
     };
-    scene.render.spp = 32;
+    scene.render.stop.spp = 32;
     scene
 }
 
@@ -53,21 +53,21 @@ fn a_render_ends_where_its_settings_say() {
         }
     };
     assert_eq!(ended(scene.clone()), (StoppedBy::Samples, 32));
-    scene.render.spp = u64::MAX;
-    scene.render.error = Some(0.5);
+    scene.render.stop.spp = u64::MAX;
+    scene.render.stop.error = Some(0.5);
     let (by, samples) = ended(scene.clone());
     assert_eq!(by, StoppedBy::Error);
     assert!(samples < 10_000, "{samples}");
-    scene.render.error = None;
-    scene.render.time = Some(0.05);
+    scene.render.stop.error = None;
+    scene.render.stop.time = Some(0.05);
     assert_eq!(ended(scene.clone()).0, StoppedBy::Time);
-    scene.render.time = None;
-    scene.render.error = Some(0.5);
+    scene.render.stop.time = None;
+    scene.render.stop.error = Some(0.5);
     for shape in &mut scene.shapes {
         shape.emission = None;
     }
     assert_eq!(ended(scene.clone()).0, StoppedBy::Black);
-    scene.render.spp = 8;
+    scene.render.stop.spp = 8;
     let renderer = renderer();
     let mut render = renderer.begin(scene).unwrap();
     while render.pass().unwrap().is_none() {}
@@ -249,7 +249,7 @@ fn textures_hold_the_image() {
     assert_eq!(found, expected);
     let bytes = texture(TextureFormat::Rgba8UnormSrgb, 12);
     image.write_texture(queue, &bytes).unwrap();
-    let display = direkt::image::png::Display::default();
+    let display = direkt::low_level::image::png::Display::default();
     let expected: Vec<u8> = image
         .radiance()
         .flat_map(|rgb| {

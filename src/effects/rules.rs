@@ -193,7 +193,7 @@ impl Rules<'_> {
     }
 
     pub(super) fn energy_compensation(&self) -> Option<String> {
-        let wanted = self.settings.energy_compensation;
+        let wanted = self.settings.estimator.energy_compensation;
         wanted.then(|| self.material(rough_metal)).flatten()
     }
 
@@ -295,8 +295,8 @@ impl Rules<'_> {
 
     /// Called for where a second ray can differ from the first.
     pub(super) fn shadow_rays(&self) -> Option<String> {
-        let rays = self.settings.shadow_rays;
-        let center = self.settings.shadow_pattern == ShadowPattern::Center;
+        let rays = self.settings.estimator.shadow_rays;
+        let center = self.settings.estimator.shadow_pattern == ShadowPattern::Center;
         let has_texels = self.emitters.environment.is_some()
             && self.emitters.sampled().any(|l| *l == Emitter::Environment);
         let chooses = self.has(Effect::LightChoice) || self.has(Effect::LightTree);
@@ -307,7 +307,7 @@ impl Rules<'_> {
 
     /// Called for where its points can differ from others. A grid of one cell is its centre.
     pub(super) fn shadow_pattern(&self, effect: ShadowPattern) -> Option<String> {
-        let asked = self.settings.shadow_pattern;
+        let asked = self.settings.estimator.shadow_pattern;
         let extended = self.samples_extended_lights();
         let several = self.has(Effect::ShadowRays);
         let used = match asked {
@@ -321,7 +321,7 @@ impl Rules<'_> {
 
     pub(super) fn light_sampling(&self) -> Option<String> {
         self.emitters.selection.as_ref()?;
-        Some(if self.settings.strategy.samples_lights() {
+        Some(if self.settings.estimator.strategy.samples_lights() {
             self.by_strategy()
         } else {
             "lights without a surface, which no other strategy reaches".to_owned()
@@ -329,27 +329,28 @@ impl Rules<'_> {
     }
 
     fn by_strategy(&self) -> String {
-        format!("strategy {}", self.settings.strategy)
+        format!("strategy {}", self.settings.estimator.strategy)
     }
 
     pub(super) fn bsdf_sampling(&self) -> Option<String> {
         let can_be_hit = [Effect::AreaLights, Effect::Suns, Effect::Environment];
         let reachable = can_be_hit.into_iter().any(|effect| self.has(effect));
-        (self.settings.strategy.samples_directions() && reachable).then(|| self.by_strategy())
+        (self.settings.estimator.strategy.samples_directions() && reachable)
+            .then(|| self.by_strategy())
     }
 
     /// What `strategy` alone does with sampled directions.
     pub(super) fn directions(&self, strategy: Strategy) -> Option<String> {
-        (self.has(Effect::SampleBsdf) && self.settings.strategy == strategy)
+        (self.has(Effect::SampleBsdf) && self.settings.estimator.strategy == strategy)
             .then(|| self.by_strategy())
     }
 
     fn sampling_of_lights(&self) -> LightSampling {
-        match self.settings.strategy {
+        match self.settings.estimator.strategy {
             Strategy::LightArea => LightSampling::Area,
             Strategy::LightSolidAngle => LightSampling::SolidAngle,
             Strategy::LightProjectedSolidAngle => LightSampling::ProjectedSolidAngle,
-            _ => self.settings.light_sampling,
+            _ => self.settings.estimator.light_sampling,
         }
     }
 
@@ -391,6 +392,6 @@ impl Rules<'_> {
     }
 
     pub(super) fn sampler(&self, sampler: Sampler) -> Option<String> {
-        (self.settings.sampler == sampler).then(|| format!("sampler {sampler}"))
+        (self.settings.estimator.sampler == sampler).then(|| format!("sampler {sampler}"))
     }
 }

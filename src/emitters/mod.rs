@@ -17,8 +17,8 @@ pub use tree::LightTree;
 use crate::accel::Primitive;
 use crate::scene::normalize::Normalization;
 use crate::scene::{
-    Emission, Environment, EnvironmentRadiance, Light, LightSelection, RenderSettings, Scene,
-    SunLight,
+    Emission, Environment, EnvironmentRadiance, EstimatorSettings, Light, LightSelection,
+    RenderSettings, Scene, SunLight,
 };
 use emission_map::{Varies, of_primitives};
 use glam::DVec3;
@@ -105,11 +105,11 @@ impl Emitters {
         primitives: &[Primitive],
         settings: &RenderSettings,
     ) -> Self {
-        let RenderSettings {
+        let EstimatorSettings {
             strategy,
             light_selection: selection,
             ..
-        } = *settings;
+        } = settings.estimator;
         let Surfaces {
             mut lights,
             mut power,
@@ -142,7 +142,7 @@ impl Emitters {
                 lights.push(Emitter::Environment);
                 groups.push(scene.light_groups.of_environment());
                 if let EnvironmentRadiance::Map(map) = &environment.radiance {
-                    grid = if settings.mis_compensation && strategy.is_mis() {
+                    grid = if settings.estimator.mis_compensation && strategy.is_mis() {
                         EnvironmentGrid::compensated(map)
                     } else {
                         EnvironmentGrid::new(map)

@@ -37,7 +37,7 @@ pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
         shadow_rays: shadow_grid.rays,
         shadow_columns: shadow_grid.columns,
         shadow_steps: shadow_grid.steps,
-        max_specular_depth: prepared.settings.max_specular_depth,
+        max_specular_depth: prepared.settings.estimator.max_specular_depth,
         filter_cell: filter.cell_width,
         orthographic: u32::from(camera.is_orthographic()),
         lens_right: f3(camera.right * camera.lens.radius),
@@ -85,7 +85,7 @@ pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
             .lights
             .iter()
             .position(|l| *l == Emitter::Environment);
-        frame.environment_selection = index.map_or(0.0, |i| prepared.light_samples(i)) as f32;
+        frame.environment_samples = index.map_or(0.0, |i| prepared.light_samples(i)) as f32;
         match &environment.radiance {
             EnvironmentRadiance::Constant(radiance) => {
                 frame.environment_radiance = f3(*radiance * environment.scale * per_unit);

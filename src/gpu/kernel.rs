@@ -5,7 +5,7 @@ use super::context::Context;
 use super::gpu_scene::GpuScene;
 use super::layout::{Dispatch, Frame, GroupMean, PixelState};
 use super::scene_buffers::SceneBuffers;
-use super::shader::{self, Config};
+use super::shader::{self, KernelConstants};
 use crate::accel::parts::PARTS;
 use crate::effects::{Effect, Effects};
 use crate::error::GpuError;
@@ -20,14 +20,14 @@ pub struct SceneKernel {
     scene_layout: wgpu::BindGroupLayout,
     scene_bindings: Vec<u32>,
     has_light_groups: bool,
-    own_layout: Option<wgpu::BindGroupLayout>,
+    extra_layout: Option<wgpu::BindGroupLayout>,
     label: &'static str,
     wgsl: String,
 }
 
 /// Which kernel to link.
 #[derive(Debug, Clone, Copy)]
-pub struct Entry<'a> {
+pub struct KernelDescriptor<'a> {
     /// Prefix of the labels, and name of the entry point.
     pub name: &'static str,
     /// Module of the entry point, `kernel::direct`.
@@ -37,43 +37,43 @@ pub struct Entry<'a> {
     /// WESL features beside those of the effects.
     pub features: &'a [&'static str],
     /// Bindings of group 2.
-    pub own: &'a [wgpu::BindingType],
+    pub extra_bindings: &'a [wgpu::BindingType],
 }
 
 /// The direct-lighting kernel, `shaders/kernel/direct.wesl`.
-pub const DIRECT: Entry<'static> = Entry {
+pub const DIRECT: KernelDescriptor<'static> = KernelDescriptor {
     name: "direct",
     module: "kernel::direct",
     source: None,
     features: &[],
-    own: &[READ],
+    extra_bindings: &[READ],
 };
 
 /// The kernel that writes out single samples, `shaders/kernel/record.wesl`.
-pub const RECORD: Entry<'static> = Entry {
+pub const RECORD: KernelDescriptor<'static> = KernelDescriptor {
     name: "record",
     module: "kernel::record",
     source: None,
     features: &["RECORD"],
-    own: &[READ_WRITE],
+    extra_bindings: &[READ_WRITE],
 };
 
 /// The kernel that sums what a denoiser asks for, `shaders/kernel/features.wesl`.
-pub const FEATURES: Entry<'static> = Entry {
+pub const FEATURES: KernelDescriptor<'static> = KernelDescriptor {
     name: "features",
     module: "kernel::features",
     source: None,
     features: &["FEATURES"],
-    own: &[READ_WRITE],
+    extra_bindings: &[READ_WRITE],
 };
 
 /// The kernel that finds the surface in the middle of each pixel, `shaders/kernel/gbuffer.wesl`.
-pub const GBUFFER: Entry<'static> = Entry {
+pub const GBUFFER: KernelDescriptor<'static> = KernelDescriptor {
     name: "gbuffer",
     module: "kernel::gbuffer",
     source: None,
     features: &[],
-    own: &[READ_WRITE],
+    extra_bindings: &[READ_WRITE],
 };
 
 /// The buffers of group 0.
@@ -105,7 +105,7 @@ pub struct SceneBindings {
 
 /// Bind group 2: what only this kernel has.
 #[derive(Debug)]
-pub struct OwnBindings(wgpu::BindGroup);
+pub struct ExtraBindings(wgpu::BindGroup);
 
 /// A storage buffer that is read.
 pub const READ: wgpu::BindingType = wgpu::BindingType::Buffer {
@@ -225,29 +225,33 @@ fn bind<'a>(
 }
 
 impl SceneKernel {
-    /// Links and compiles `entry` for `effects`.
+    /// Links and compiles `descriptor` for `effects`.
     ///
     /// # Errors
     /// The shader does not link, or the driver refuses it.
     pub fn new(
         context: &Context,
-        entry: &Entry<'_>,
+        descriptor: &KernelDescriptor<'_>,
         effects: &Effects,
-        config: Config,
+        constants: KernelConstants,
     ) -> Result<Self, GpuError> {
-        let wgsl = Self::link(entry, effects, config)?;
-        Self::compile(context, entry, (effects, config), wgsl)
+        let wgsl = Self::link(descriptor, effects, constants)?;
+        Self::compile(context, descriptor, (effects, constants), wgsl)
     }
 
-    /// The WGSL of `entry` for `effects`.
+    /// The WGSL of `descriptor` for `effects`.
     ///
     /// # Errors
     /// The shader does not link.
-    pub fn link(entry: &Entry<'_>, effects: &Effects, config: Config) -> Result<String, GpuError> {
-        let further = entry.features.iter().map(|f| (*f, true));
-        let split = ("SPLIT_GEOMETRY", config.split.is_some());
+    pub fn link(
+        descriptor: &KernelDescriptor<'_>,
+        effects: &Effects,
+        constants: KernelConstants,
+    ) -> Result<String, GpuError> {
+        let further = descriptor.features.iter().map(|f| (*f, true));
+        let split = ("SPLIT_GEOMETRY", constants.split.is_some());
         let features = effects.features().chain(further).chain([split]);
-        shader::link_with(entry.module, entry.source, features, config)
+        shader::link_with(descriptor.module, descriptor.source, features, constants)
     }
 
     /// Compiles what [`link`](Self::link) made for `effects` and `config`.
@@ -256,22 +260,27 @@ impl SceneKernel {
     /// The driver refuses it.
     pub fn compile(
         context: &Context,
-        entry: &Entry<'_>,
-        (effects, config): (&Effects, Config),
+        descriptor: &KernelDescriptor<'_>,
+        (effects, constants): (&Effects, KernelConstants),
         wgsl: String,
     ) -> Result<Self, GpuError> {
         let device = &context.device;
-        let name = entry.name;
+        let name = descriptor.name;
         let has_light_groups = effects.contains(Effect::LightGroups);
         let mut pass_types = vec![UNIFORM, UNIFORM, READ_WRITE, READ_WRITE];
         pass_types.extend(has_light_groups.then_some(READ_WRITE));
         let pass_layout = layout(device, &format!("{name}.pass"), &numbered(&pass_types));
-        let scene_types = scene_types(effects, config.split.is_some());
+        let scene_types = scene_types(effects, constants.split.is_some());
         let scene_layout = layout(device, &format!("{name}.scene"), &scene_types);
-        let own_layout = (!entry.own.is_empty())
-            .then(|| layout(device, &format!("{name}.own"), &numbered(entry.own)));
+        let extra_layout = (!descriptor.extra_bindings.is_empty()).then(|| {
+            layout(
+                device,
+                &format!("{name}.extra"),
+                &numbered(descriptor.extra_bindings),
+            )
+        });
         let mut groups = vec![Some(&pass_layout), Some(&scene_layout)];
-        groups.extend(own_layout.as_ref().map(Some));
+        groups.extend(extra_layout.as_ref().map(Some));
         let pipeline = context
             .checked(|| {
                 let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -293,7 +302,7 @@ impl SceneKernel {
                 })
             })
             .map_err(|e| GpuError::Shader {
-                entry: entry.module.to_owned(),
+                entry: descriptor.module.to_owned(),
                 message: e.to_string(),
             })?;
         Ok(Self {
@@ -305,7 +314,7 @@ impl SceneKernel {
                 .map(|(binding, _)| binding)
                 .collect(),
             has_light_groups,
-            own_layout,
+            extra_layout,
             label: name,
             wgsl,
         })
@@ -369,14 +378,14 @@ impl SceneKernel {
     ///
     /// # Panics
     /// The kernel has none.
-    pub fn bind_own(
+    pub fn bind_extra(
         &self,
         device: &wgpu::Device,
         resources: Vec<wgpu::BindingResource<'_>>,
-    ) -> OwnBindings {
-        let layout = self.own_layout.as_ref();
+    ) -> ExtraBindings {
+        let layout = self.extra_layout.as_ref();
         let layout = layout.expect("only kernels with bindings of their own bind them");
-        OwnBindings(bind(device, self.label, layout, (0..).zip(resources)))
+        ExtraBindings(bind(device, self.label, layout, (0..).zip(resources)))
     }
 
     /// Records one dispatch of `workgroups` workgroups.
@@ -385,7 +394,7 @@ impl SceneKernel {
         encoder: &mut wgpu::CommandEncoder,
         region: &RegionBindings,
         scene: &SceneBindings,
-        own: Option<&OwnBindings>,
+        extra: Option<&ExtraBindings>,
         workgroups: u32,
     ) {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -395,8 +404,8 @@ impl SceneKernel {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &region.0, &[]);
         pass.set_bind_group(1, &scene.group, &[]);
-        if let Some(own) = own {
-            pass.set_bind_group(2, &own.0, &[]);
+        if let Some(extra) = extra {
+            pass.set_bind_group(2, &extra.0, &[]);
         }
         pass.dispatch_workgroups(workgroups, 1, 1);
     }

@@ -1,8 +1,8 @@
 //! Kernels that are used more than once.
 
 use super::context::Context;
-use super::kernel::{Entry, SceneKernel};
-use super::shader::Config;
+use super::kernel::{KernelDescriptor, SceneKernel};
+use super::shader::KernelConstants;
 use crate::effects::Effects;
 use crate::error::GpuError;
 use std::sync::{Mutex, PoisonError};
@@ -12,17 +12,17 @@ use std::sync::{Mutex, PoisonError};
 pub(super) struct Kernels(Mutex<Vec<SceneKernel>>);
 
 impl Context {
-    /// The kernel of `entry` for `effects`: compiled at the first call, kept as long as the device.
+    /// The kernel of `descriptor` for `effects`: compiled at the first call, kept as long as the device.
     ///
     /// # Errors
     /// The shader does not link, or the driver refuses it.
     pub fn kernel(
         &self,
-        entry: &Entry<'_>,
+        descriptor: &KernelDescriptor<'_>,
         effects: &Effects,
-        config: Config,
+        constants: KernelConstants,
     ) -> Result<SceneKernel, GpuError> {
-        let wgsl = SceneKernel::link(entry, effects, config)?;
+        let wgsl = SceneKernel::link(descriptor, effects, constants)?;
         let cached = || {
             self.kernels
                 .0
@@ -32,7 +32,7 @@ impl Context {
         if let Some(known) = cached().iter().find(|kernel| kernel.wgsl() == wgsl) {
             return Ok(known.clone());
         }
-        let kernel = SceneKernel::compile(self, entry, (effects, config), wgsl)?;
+        let kernel = SceneKernel::compile(self, descriptor, (effects, constants), wgsl)?;
         cached().push(kernel.clone());
         Ok(kernel)
     }

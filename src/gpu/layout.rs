@@ -42,8 +42,8 @@ pub struct Frame {
     pub environment_height: u32,
     /// Third row.
     pub environment_z: [f32; 3],
-    /// Light samples of the environment per camera ray, in the mean.
-    pub environment_selection: f32,
+    /// Expected samples of the environment per camera ray.
+    pub environment_samples: f32,
     /// Constant radiance, or the factor on the map's.
     pub environment_radiance: [f32; 3],
     /// Length beyond everything in the scene.

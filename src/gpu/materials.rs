@@ -33,7 +33,12 @@ pub(super) fn material_words(prepared: &Prepared, [colors, data]: [&Atlas; 2]) -
     let scene = &prepared.data.scene;
     let materials = scene.materials.iter();
     let mut words: Vec<Word> = materials
-        .flat_map(|m| one_material(&m.bsdf.parameters(), prepared.settings.energy_compensation))
+        .flat_map(|m| {
+            one_material(
+                &m.bsdf.parameters(),
+                prepared.settings.estimator.energy_compensation,
+            )
+        })
         .collect();
     let colored = under_vertex_colors(scene);
     let varied = scene.materials.iter().enumerate();

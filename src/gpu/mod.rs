@@ -25,4 +25,5 @@ pub use context::{AdapterFacts, Context};
 pub use frame::frame_of;
 pub use gpu_scene::GpuScene;
 pub use kernel::SceneKernel;
+pub use parts::Parts;
 pub use scene_buffers::SceneBuffers;

@@ -29,7 +29,7 @@ impl<T: Pod> Parts<T> {
 }
 
 /// Bytes of the longest part of `data`.
-pub fn largest_part<T>(data: &[T], items: Option<usize>) -> u64 {
+pub(crate) fn largest_part<T>(data: &[T], items: Option<usize>) -> u64 {
     let items = items.map_or(data.len(), |items| items.min(data.len()));
     (items * size_of::<T>()) as u64
 }

@@ -3,10 +3,12 @@
 use super::buffer::GpuBuffer;
 use super::context::Context;
 use super::frame::frame_of;
-use super::kernel::{Entry, OwnBindings, PassBuffers, RegionBindings, SceneBindings, SceneKernel};
+use super::kernel::{
+    ExtraBindings, KernelDescriptor, PassBuffers, RegionBindings, SceneBindings, SceneKernel,
+};
 use super::layout::{Dispatch, Frame, PixelState, TILE_PIXELS};
 use super::scene_buffers::SceneBuffers;
-use super::shader::Config;
+use super::shader::KernelConstants;
 use crate::error::GpuError;
 use crate::prepare::Prepared;
 use crate::scene::FilmSize;
@@ -25,7 +27,7 @@ pub struct SceneProgram<'a> {
 }
 
 impl<'a> SceneProgram<'a> {
-    /// Compiles `entry` for the effects of `prepared` and uploads the scene, for an image of `film` pixels. The bound
+    /// Compiles `descriptor` for the effects of `prepared` and uploads the scene, for an image of `film` pixels. The bound
     /// pixel states are those of one tile.
     ///
     /// # Errors
@@ -35,10 +37,10 @@ impl<'a> SceneProgram<'a> {
         prepared: &Prepared,
         film: FilmSize,
         seed: u32,
-        entry: &Entry<'_>,
+        descriptor: &KernelDescriptor<'_>,
     ) -> Result<Self, GpuError> {
-        let config = Config::of(prepared);
-        let kernel = context.kernel(entry, &prepared.effects, config)?;
+        let constants = KernelConstants::of(prepared);
+        let kernel = context.kernel(descriptor, &prepared.effects, constants)?;
         let buffers = SceneBuffers::new(context, prepared)?;
         let device = &context.device;
         let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
@@ -52,7 +54,7 @@ impl<'a> SceneProgram<'a> {
             let pixels: GpuBuffer<PixelState> =
                 GpuBuffer::zeroed(device, "program.pixels", TILE_PIXELS as usize, storage);
             let unfinished = GpuBuffer::zeroed(device, "program.unfinished", 1, storage);
-            let groups = TILE_PIXELS as usize * config.light_groups as usize;
+            let groups = TILE_PIXELS as usize * constants.light_groups as usize;
             let groups = GpuBuffer::zeroed(device, "program.light_groups", groups, storage);
             let pass = PassBuffers {
                 frame: &frame,
@@ -90,7 +92,7 @@ impl<'a> SceneProgram<'a> {
         &self,
         parameters: &Dispatch,
         workgroups: u32,
-        own: &OwnBindings,
+        extra: &ExtraBindings,
         (output, staging): (&GpuBuffer<T>, &GpuBuffer<T>),
         read: impl FnOnce(&[T]) -> R,
     ) -> Result<R, GpuError> {
@@ -103,7 +105,7 @@ impl<'a> SceneProgram<'a> {
             let mut encoder = context.device.create_command_encoder(&Default::default());
             let (region, scene) = (&self.region, &self.scene);
             self.kernel
-                .encode(&mut encoder, region, scene, Some(own), workgroups);
+                .encode(&mut encoder, region, scene, Some(extra), workgroups);
             encoder.copy_buffer_to_buffer(output.raw(), 0, staging.raw(), 0, output.bytes());
             queue.submit([encoder.finish()]);
         })?;

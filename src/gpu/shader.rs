@@ -16,7 +16,7 @@ pub use crate::error::SHADERS_VARIABLE;
 
 /// Values that differ between kernels and that WGSL needs as constants; they appear in the module `package::config`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Config {
+pub struct KernelConstants {
     /// Entries of the traversal's stack.
     pub stack_depth: u32,
     /// Any number but 0, with which unfinished work is marked: with another one a driver has to compile anew what it may have
@@ -32,7 +32,7 @@ pub struct Config {
     pub split: Option<Split>,
 }
 
-impl Default for Config {
+impl Default for KernelConstants {
     fn default() -> Self {
         Self {
             stack_depth: 4,
@@ -45,7 +45,7 @@ impl Default for Config {
     }
 }
 
-impl Config {
+impl KernelConstants {
     /// The values for `prepared`.
     pub fn of(prepared: &Prepared) -> Self {
         let emitters = &prepared.emitters;
@@ -89,9 +89,9 @@ impl Config {
 pub fn link<'a>(
     entry: &str,
     features: impl IntoIterator<Item = (&'a str, bool)>,
-    config: Config,
+    constants: KernelConstants,
 ) -> Result<String, GpuError> {
-    link_with(entry, None, features, config)
+    link_with(entry, None, features, constants)
 }
 
 /// Like [`link`], for an entry module whose text is `source` (test kernels).
@@ -99,7 +99,7 @@ pub fn link_with<'a>(
     entry: &str,
     source: Option<&str>,
     features: impl IntoIterator<Item = (&'a str, bool)>,
-    config: Config,
+    constants: KernelConstants,
 ) -> Result<String, GpuError> {
     let fail = |message: String| GpuError::Shader {
         entry: entry.to_owned(),
@@ -116,7 +116,7 @@ pub fn link_with<'a>(
     for (name, text) in modules().map_err(&fail)? {
         add(&name, text)?;
     }
-    add("config", config.to_wesl())?;
+    add("config", constants.to_wesl())?;
     if let Some(source) = source {
         add(entry, source.to_owned())?;
     }

@@ -2,7 +2,7 @@
 
 use super::buffer::GpuBuffer;
 use super::context::Context;
-use super::kernel::{Entry, OwnBindings};
+use super::kernel::{ExtraBindings, KernelDescriptor};
 use super::layout::{Dispatch, TILE, TILE_PIXELS, lane_pixel};
 use super::program::SceneProgram;
 use crate::error::GpuError;
@@ -19,12 +19,12 @@ pub struct TileProgram<'a, T> {
     program: SceneProgram<'a>,
     output: GpuBuffer<T>,
     staging: GpuBuffer<T>,
-    own: OwnBindings,
+    extra: ExtraBindings,
     film: FilmSize,
 }
 
 impl<'a, T: Pod> TileProgram<'a, T> {
-    /// Compiles `entry` and uploads the scene.
+    /// Compiles `descriptor` and uploads the scene.
     ///
     /// # Errors
     /// The kernel does not compile, or the scene is too large for the adapter.
@@ -33,9 +33,9 @@ impl<'a, T: Pod> TileProgram<'a, T> {
         prepared: &Prepared,
         film: FilmSize,
         seed: u32,
-        entry: &Entry<'_>,
+        descriptor: &KernelDescriptor<'_>,
     ) -> Result<Self, GpuError> {
-        let program = SceneProgram::new(context, prepared, film, seed, entry)?;
+        let program = SceneProgram::new(context, prepared, film, seed, descriptor)?;
         let device = &context.device;
         let count = (MAX_TILES.min(tiles(film)) * TILE_PIXELS) as usize;
         let storage = wgpu::BufferUsages::STORAGE
@@ -44,11 +44,11 @@ impl<'a, T: Pod> TileProgram<'a, T> {
         let read = wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST;
         context.checked(|| {
             let output = GpuBuffer::zeroed(device, "tiles.output", count, storage);
-            let own = program.kernel().bind_own(device, vec![output.binding()]);
+            let extra = program.kernel().bind_extra(device, vec![output.binding()]);
             Self {
                 staging: GpuBuffer::zeroed(device, "tiles.staging", count, read),
                 output,
-                own,
+                extra,
                 program,
                 film,
             }
@@ -76,7 +76,7 @@ impl<'a, T: Pod> TileProgram<'a, T> {
             };
             let buffers = (&self.output, &self.staging);
             self.program
-                .run(&parameters, count, &self.own, buffers, |records| {
+                .run(&parameters, count, &self.extra, buffers, |records| {
                     for (i, record) in (0..count * TILE_PIXELS).zip(records) {
                         let tile = first_tile + i / TILE_PIXELS;
                         let (dx, dy) = lane_pixel(i % TILE_PIXELS);

@@ -97,16 +97,9 @@ pub fn render_attributes(
         ("driver", adapter.driver.clone()),
         ("seed", settings.seed.to_string()),
         ("spp", film.mean_samples().to_string()),
-        ("adaptive", settings.adaptive.to_string()),
         ("direkt", env!("CARGO_PKG_VERSION").to_owned()),
-        ("strategy", settings.strategy.to_string()),
-        ("light_selection", settings.light_selection.to_string()),
-        ("light_sampling", settings.light_sampling.to_string()),
-        ("mis_compensation", settings.mis_compensation.to_string()),
-        ("shadow_rays", settings.shadow_rays.to_string()),
-        ("shadow_pattern", settings.shadow_pattern.to_string()),
-        ("sampler", settings.sampler.to_string()),
     ];
+    attributes.extend(settings.estimator.entries());
     attributes.extend(prepared.bias().map(|bias| ("biased", bias)));
     attributes
 }

@@ -103,13 +103,17 @@ impl Prepared {
     /// What the sampler's patterns are made for.
     pub fn patterns(&self) -> Patterns {
         let settings = self.settings;
-        Patterns::new(settings.sampler, settings.spp, self.shadow_rays())
+        Patterns::new(
+            settings.estimator.sampler,
+            settings.stop.spp,
+            self.shadow_rays(),
+        )
     }
 
     /// Shadow rays per camera ray, with light selection `all` per light: 1 where a second would be the same.
     pub fn shadow_rays(&self) -> u32 {
         if self.effects.contains(Effect::ShadowRays) {
-            self.settings.shadow_rays
+            self.settings.estimator.shadow_rays
         } else {
             1
         }
@@ -147,7 +151,7 @@ impl Prepared {
     pub fn bias(&self) -> Option<String> {
         let fixed = [ShadowPattern::Center, ShadowPattern::Grid];
         fixed.contains(&self.shadow_pattern()).then(|| {
-            let pattern = self.settings.shadow_pattern;
+            let pattern = self.settings.estimator.shadow_pattern;
             format!(
                 "shadow_pattern = \"{pattern}\": shadow rays end at the same points of the lights in all samples, so that the image \
                  converges to a quadrature, not to direct lighting"

@@ -42,7 +42,7 @@ pub(super) struct Allocation {
 impl Allocation {
     /// How those after the `pilot`, of `samples` per pixel, are shared out; `None` while a pixel has not two samples, or no difference between
     /// replicates tells where the error is.
-    pub fn after(pilot: &Film, samples: u64) -> Option<Self> {
+    pub(crate) fn after(pilot: &Film, samples: u64) -> Option<Self> {
         let mean = pilot.mean();
         let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
         let floor = 0.01 * overall * overall;
@@ -93,18 +93,18 @@ impl Allocation {
     }
 
     /// Class of the pixel `index`.
-    pub fn class(&self, index: usize) -> usize {
+    pub(crate) fn class(&self, index: usize) -> usize {
         usize::from(self.classes[index])
     }
 
     /// Samples of the pixels of `class` at a `level`: eight levels higher are twice the samples.
-    pub fn target(&self, level: u32, class: usize) -> u64 {
+    pub(crate) fn target(&self, level: u32, class: usize) -> u64 {
         let octave = (level + class as u32) / PER_OCTAVE;
         (1_u64 << octave.min(40)).max(self.pilot)
     }
 
     /// The first level from `level` on at which the mean number of samples is `mean` at least.
-    pub fn level_of(&self, mean: u64, level: u32) -> u32 {
+    pub(crate) fn level_of(&self, mean: u64, level: u32) -> u32 {
         let reached = |level: u32| {
             let targets = (0..CLASSES).map(|class| self.target(level, class));
             self.mean(targets) >= mean
@@ -114,7 +114,7 @@ impl Allocation {
     }
 
     /// The mean over the image where the pixels of each class have `samples`, rounded down.
-    pub fn mean(&self, samples: impl Iterator<Item = u64>) -> u64 {
+    pub(crate) fn mean(&self, samples: impl Iterator<Item = u64>) -> u64 {
         let classes = self.pixels.iter().zip(samples);
         let total: u64 = classes.map(|(pixels, samples)| pixels * samples).sum();
         total / self.classes.len() as u64

@@ -33,7 +33,7 @@ pub const CONFIDENCE: f64 = 0.95;
 ///
 /// relMSE = mean over pixels and channels of (x − r)² / (r² + 0.01·mean(r)²), with x the image and r the truth.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct ImageError {
+pub struct RelMse {
     /// The estimate.
     pub rel_mse: f64,
     /// Lower end of the interval in which the image's relMSE lies.
@@ -56,12 +56,12 @@ struct SquaredTruth {
 
 impl Film {
     /// The image's error with an interval of 95 % confidence; see [`error_at`](Self::error_at).
-    pub fn error(&self) -> Option<ImageError> {
+    pub fn error(&self) -> Option<RelMse> {
         self.error_at(CONFIDENCE)
     }
 
     /// The same, unless `stop`, which is asked now and then, says that nobody waits for it any more: then `None`, soon.
-    pub fn error_unless(&self, stop: impl Fn() -> bool) -> Option<ImageError> {
+    pub fn error_unless(&self, stop: impl Fn() -> bool) -> Option<RelMse> {
         self.look(CONFIDENCE, stop)
     }
 
@@ -73,11 +73,11 @@ impl Film {
     /// whole it makes the estimate too small or too large, as errors are skewed or not; how much it may be is told by
     /// denominators with their noise added to them, and the interval is so much wider. Its upper end allows besides for pixels
     /// that are bright by chance: their denominators may be those that the lesser replicate and the pixels around suggest.
-    pub fn error_at(&self, confidence: f64) -> Option<ImageError> {
+    pub fn error_at(&self, confidence: f64) -> Option<RelMse> {
         self.look(confidence, || false)
     }
 
-    fn look(&self, confidence: f64, stop: impl Fn() -> bool) -> Option<ImageError> {
+    fn look(&self, confidence: f64, stop: impl Fn() -> bool) -> Option<RelMse> {
         let mean = self.mean();
         let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
         let floor = 0.01 * overall * overall;
@@ -135,7 +135,7 @@ impl Film {
         let interval = |of_denominators: f64| {
             Interval::positive(sum / pixels, by_chance.hypot(of_denominators) / pixels)
         };
-        Some(ImageError {
+        Some(RelMse {
             rel_mse: sum / pixels,
             rel_mse_low: interval(above).low,
             rel_mse_high: interval(above.max(below)).high,

@@ -31,7 +31,7 @@ impl ErrorGoal {
 
 /// What a look at the image found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Look {
+pub enum Verdict {
     /// The goal is reached.
     Reached,
     /// It is not.
@@ -46,13 +46,13 @@ pub enum Look {
 /// one is where the goal should be reached if the squared error falls with the inverse of the samples, an eighth more
 /// samples away at least and twice as many at most.
 #[derive(Debug, Clone, Copy)]
-pub struct Watch {
+pub struct ErrorMonitor {
     goal: ErrorGoal,
     next: u64,
 }
 
-impl Watch {
-    /// A watch for `goal`.
+impl ErrorMonitor {
+    /// A monitor for `goal`.
     pub fn new(goal: ErrorGoal) -> Self {
         Self {
             goal,
@@ -69,26 +69,26 @@ impl Watch {
     ///
     /// # Errors
     /// The driver fails.
-    pub fn look(&mut self, session: &Session<'_>) -> Result<Look, GpuError> {
+    pub fn verdict(&mut self, session: &Session<'_>) -> Result<Verdict, GpuError> {
         let samples = session.samples();
         if samples < self.next {
-            return Ok(Look::NotYet);
+            return Ok(Verdict::NotYet);
         }
         Ok(self.judge(&session.snapshot()?.0, samples))
     }
 
-    fn judge(&mut self, film: &Film, samples: u64) -> Look {
+    fn judge(&mut self, film: &Film, samples: u64) -> Verdict {
         let goal = self.goal.relative * self.goal.relative;
         let Some(error) = film.error_at(self.goal.confidence) else {
             self.next = 2 * samples;
             return if samples < BLACK {
-                Look::NotYet
+                Verdict::NotYet
             } else {
-                Look::Black
+                Verdict::Black
             };
         };
         if error.rel_mse_high <= goal {
-            return Look::Reached;
+            return Verdict::Reached;
         }
         let due = samples as f64 * (error.rel_mse_high / goal);
         let (least, most) = (samples + samples.div_ceil(8), 2 * samples);
@@ -96,7 +96,7 @@ impl Watch {
         self.next = (due.min(most as f64) as u64)
             .clamp(least, most)
             .next_multiple_of(2);
-        Look::NotYet
+        Verdict::NotYet
     }
 }
 
@@ -132,23 +132,30 @@ mod tests {
     fn the_goal_is_reached_when_the_interval_is_below_it() {
         // The interval's upper end is 1.96·√(4/3)/64 = 3.5 % above the estimate, that of √relMSE half as much.
         for (relative, reached) in [(0.0101, false), (0.0103, true)] {
-            let mut watch = Watch::new(ErrorGoal::new(relative));
-            let look = watch.judge(&film(1.0), 64);
-            assert_eq!(look == Look::Reached, reached, "{relative}: {look:?}");
+            let mut monitor = ErrorMonitor::new(ErrorGoal::new(relative));
+            let verdict = monitor.judge(&film(1.0), 64);
+            assert_eq!(
+                verdict == Verdict::Reached,
+                reached,
+                "{relative}: {verdict:?}"
+            );
         }
         let surer = ErrorGoal {
             relative: 0.0103,
             confidence: 0.9999,
         };
-        assert_eq!(Watch::new(surer).judge(&film(1.0), 64), Look::NotYet);
+        assert_eq!(
+            ErrorMonitor::new(surer).judge(&film(1.0), 64),
+            Verdict::NotYet
+        );
     }
 
     #[test]
     fn the_next_look_is_where_the_goal_should_be_reached() {
         let next = |relative: f64| {
-            let mut watch = Watch::new(ErrorGoal::new(relative));
-            watch.judge(&film(1.0), 64);
-            watch.next()
+            let mut monitor = ErrorMonitor::new(ErrorGoal::new(relative));
+            monitor.judge(&film(1.0), 64);
+            monitor.next()
         };
         assert_eq!(next(0.0101), 72, "an eighth more at least");
         assert_eq!(next(0.001), 128, "twice as many at most");
@@ -158,8 +165,8 @@ mod tests {
 
     #[test]
     fn black_is_noticed() {
-        let mut watch = Watch::new(ErrorGoal::new(0.01));
-        assert_eq!(watch.judge(&film(0.0), 512), Look::NotYet);
-        assert_eq!(watch.judge(&film(0.0), 1024), Look::Black);
+        let mut monitor = ErrorMonitor::new(ErrorGoal::new(0.01));
+        assert_eq!(monitor.judge(&film(0.0), 512), Verdict::NotYet);
+        assert_eq!(monitor.judge(&film(0.0), 1024), Verdict::Black);
     }
 }

@@ -2,6 +2,7 @@
 
 mod adaptive;
 pub mod aov;
+mod cache_buster;
 pub mod check;
 mod error;
 pub mod film;
@@ -11,15 +12,14 @@ mod neighbourhood;
 pub mod passes;
 mod recover;
 pub mod session;
-mod stamps;
 
 pub use aov::{AovImages, render_aovs};
+pub use cache_buster::CacheBuster;
 pub use check::Check;
-pub use error::{CONFIDENCE, ImageError, tile_sums};
+pub use error::{CONFIDENCE, RelMse, tile_sums};
 pub use film::{Film, FirstBad, Ledger, Pixel};
 pub use goal::ErrorGoal;
 pub use passes::{Passes, StoppedBy};
 pub use recover::{Failure, render_keeping_image, render_through_losses};
 pub use session::checkpoint::Checkpoint;
 pub use session::{RayCounts, Session, StopReason};
-pub use stamps::Stamps;

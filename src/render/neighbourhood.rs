@@ -4,7 +4,7 @@ use crate::scene::FilmSize;
 use rayon::prelude::*;
 
 /// Per pixel and channel the mean over the square of pixels at most `radius` away, as far as it lies in the image.
-pub fn box_mean(values: &[[f64; 3]], size: FilmSize, radius: usize) -> Vec<[f64; 3]> {
+pub(crate) fn box_mean(values: &[[f64; 3]], size: FilmSize, radius: usize) -> Vec<[f64; 3]> {
     let (width, height) = (size.width as usize, size.height as usize);
     let mut rows = vec![[0.0; 3]; values.len()];
     rows.par_chunks_mut(width)
@@ -33,7 +33,7 @@ pub fn box_mean(values: &[[f64; 3]], size: FilmSize, radius: usize) -> Vec<[f64;
 }
 
 /// The same without the pixel itself, from the `means` with it; zero where there are no others.
-pub fn mean_of_others(
+pub(crate) fn mean_of_others(
     means: &[[f64; 3]],
     values: &[[f64; 3]],
     size: FilmSize,

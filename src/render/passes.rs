@@ -1,6 +1,6 @@
 //! The passes of a render, until something ends them.
 
-use super::goal::{ErrorGoal, Look, Watch};
+use super::goal::{ErrorGoal, ErrorMonitor, Verdict};
 use super::session::{Session, StopReason};
 use crate::error::GpuError;
 use crate::scene::RenderSettings;
@@ -35,7 +35,7 @@ pub fn duration(seconds: f64) -> Duration {
 pub struct Passes {
     spp: u64,
     time: Option<Duration>,
-    watch: Option<Watch>,
+    monitor: Option<ErrorMonitor>,
     start: Instant,
     taken: u64,
 }
@@ -43,14 +43,14 @@ pub struct Passes {
 impl Passes {
     /// Those of a render by `settings`, whose time begins now.
     pub fn new(settings: &RenderSettings) -> Self {
-        let goal = settings.error.map(|relative| ErrorGoal {
+        let goal = settings.stop.error.map(|relative| ErrorGoal {
             relative,
-            confidence: settings.confidence,
+            confidence: settings.stop.confidence,
         });
         Self {
-            spp: settings.spp,
-            time: settings.time.map(duration),
-            watch: goal.map(Watch::new),
+            spp: settings.stop.spp,
+            time: settings.stop.time.map(duration),
+            monitor: goal.map(ErrorMonitor::new),
             start: Instant::now(),
             taken: 0,
         }
@@ -79,7 +79,7 @@ impl Passes {
         if session.samples() >= self.spp {
             return Ok(Some(StoppedBy::Samples));
         }
-        let until = self.watch.map_or(self.spp, |w| self.spp.min(w.next()));
+        let until = self.monitor.map_or(self.spp, |w| self.spp.min(w.next()));
         let samples = session.pass_samples(until.saturating_sub(session.samples()));
         let first = session.samples() == 0;
         let (time, start) = (self.time, self.start);
@@ -101,11 +101,15 @@ impl Passes {
     /// # Errors
     /// The driver fails.
     pub fn judge(&mut self, session: &Session<'_>) -> Result<Option<StoppedBy>, GpuError> {
-        let look = self.watch.as_mut().map(|w| w.look(session)).transpose()?;
-        Ok(match look {
-            Some(Look::Reached) => Some(StoppedBy::Error),
-            Some(Look::Black) => Some(StoppedBy::Black),
-            Some(Look::NotYet) | None => None,
+        let verdict = self
+            .monitor
+            .as_mut()
+            .map(|w| w.verdict(session))
+            .transpose()?;
+        Ok(match verdict {
+            Some(Verdict::Reached) => Some(StoppedBy::Error),
+            Some(Verdict::Black) => Some(StoppedBy::Black),
+            Some(Verdict::NotYet) | None => None,
         })
     }
 }

@@ -8,9 +8,9 @@
 
 mod build;
 pub(super) mod checkpoint;
+mod progress;
 mod readback;
 mod region;
-mod standing;
 
 use super::adaptive::{Allocation, PILOT};
 use super::film::Film;
@@ -19,8 +19,8 @@ use crate::gpu::kernel::{SceneBindings, SceneKernel};
 use crate::gpu::layout::{BLOCK_SAMPLES, Dispatch, Frame, TILE_PIXELS};
 use crate::gpu::{Context, GpuBuffer};
 use checkpoint::Saved;
+use progress::{Class, Progress};
 use region::Region;
-use standing::{Class, Standing};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -72,7 +72,7 @@ pub struct Session<'a> {
     rays: RayCounts,
     /// Whether samples are shared out by where the error is.
     adaptive: bool,
-    standing: Standing,
+    progress: Progress,
     budget: u64,
     /// How long a dispatch should take.
     dispatch_time: Duration,
@@ -91,7 +91,7 @@ impl<'a> Session<'a> {
 
     /// Samples that every pixel has; with adaptive sampling, what they have on the average, rounded down.
     pub fn samples(&self) -> u64 {
-        self.standing.samples()
+        self.progress.samples()
     }
 
     /// Samples per pixel that the next pass should take so that it lasts about one dispatch, at least 1.
@@ -111,10 +111,10 @@ impl<'a> Session<'a> {
         mut stop: impl FnMut() -> bool,
     ) -> Result<StopReason, GpuError> {
         let samples = self.share_out(samples)?;
-        let targets = self.standing.targets(samples);
+        let targets = self.progress.targets(samples);
         loop {
             self.merge_full()?;
-            let classes = self.standing.classes.iter().zip(&targets).enumerate();
+            let classes = self.progress.classes.iter().zip(&targets).enumerate();
             let behind = classes.filter(|(_, (class, target))| class.samples() < **target);
             let behind: Vec<_> = behind
                 .map(|(class, (_, target))| (class, *target))
@@ -141,7 +141,7 @@ impl<'a> Session<'a> {
         target: u64,
         stop: &mut impl FnMut() -> bool,
     ) -> Result<StopReason, GpuError> {
-        let Class { merged, position } = self.standing.classes[class];
+        let Class { merged, position } = self.progress.classes[class];
         let target = (target - merged).min(u64::from(BLOCK_SAMPLES)) as u32;
         for region in 0..self.regions.len() {
             let Range { mut start, end } = self.regions[region].rows[class];
@@ -156,7 +156,7 @@ impl<'a> Session<'a> {
                 start += count;
             }
         }
-        self.standing.classes[class].position = target;
+        self.progress.classes[class].position = target;
         Ok(StopReason::Done)
     }
 
@@ -167,7 +167,7 @@ impl<'a> Session<'a> {
         (first_row, count): (u32, u32),
         target: u32,
     ) -> Result<(), GpuError> {
-        let Class { merged, position } = self.standing.classes[class];
+        let Class { merged, position } = self.progress.classes[class];
         let region = &self.regions[region];
         let mut parameters = Dispatch {
             block_start: [merged as u32, (merged >> 32) as u32],
@@ -238,7 +238,7 @@ impl<'a> Session<'a> {
     /// Where sampling is adaptive and the pilot is over, shares the samples out. Returns how many of the next `samples` per pixel
     /// may be taken until that is to be done, all of them if it never is again.
     fn share_out(&mut self, samples: u64) -> Result<u64, GpuError> {
-        if !self.adaptive || self.standing.allocation.is_some() {
+        if !self.adaptive || self.progress.allocation.is_some() {
             return Ok(samples);
         }
         let pilot = self.samples();
@@ -246,7 +246,7 @@ impl<'a> Session<'a> {
             let (film, rays) = self.snapshot()?;
             if let Some(allocation) = Allocation::after(&film, pilot) {
                 (self.film, self.rays) = (film, rays);
-                self.standing.share_out(allocation);
+                self.progress.share_out(allocation);
                 self.clear_all()?;
                 self.sort_pixels()?;
                 return Ok(samples);
@@ -258,12 +258,12 @@ impl<'a> Session<'a> {
 
     /// Gives the pixels their order.
     fn sort_pixels(&mut self) -> Result<(), GpuError> {
-        let (context, size, standing) = (self.context, self.film.size, &self.standing);
+        let (context, size, progress) = (self.context, self.film.size, &self.progress);
         let regions = &mut self.regions;
         context.checked(|| {
             for region in regions {
-                let class_of = |pixel| standing.class_of(size.index(pixel));
-                region.sort(context, size, standing.classes.len(), class_of);
+                let class_of = |pixel| progress.class_of(size.index(pixel));
+                region.sort(context, size, progress.classes.len(), class_of);
             }
         })
     }

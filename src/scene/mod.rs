@@ -43,8 +43,13 @@ pub use light_groups::LightGroups;
 pub use lights::{DirectionalLight, Light, PointLight, SpotLight, SunLight};
 pub use material::{Bsdf, Material};
 pub use opacity::Opacity;
+pub use rgb::Rgb;
 pub use sampler::Sampler;
-pub use settings::{LightSampling, LightSelection, RenderSettings, Strategy};
+#[cfg(feature = "clap")]
+pub use settings::EstimatorFlags;
+pub use settings::{
+    EstimatorSettings, LightSampling, LightSelection, RenderSettings, StopSettings, Strategy,
+};
 pub use shadow_rays::{ShadowGrid, ShadowPattern};
 pub use shape::{Emission, Geometry, Mesh, Shape};
 pub use texture::{MaterialTextures, NormalMap, Texels, Texture, TextureUse, Wrap};
@@ -154,12 +159,13 @@ impl Scene {
         let is_sun = |light: &&Light| matches!(light, Light::Sun(_));
         let suns = self.lights.iter().filter(is_sun).count() as u64;
         let mut samples = self.lights.len() as u64 - suns;
-        if settings.strategy.samples_lights() {
+        if settings.estimator.strategy.samples_lights() {
             let lit = |e: Emission| e.radiance.max_element() > 0.0;
             let emitting = self.shapes.iter().filter(|s| s.emission.is_some_and(lit));
             let primitives: u64 = emitting.map(|s| s.geometry.primitives()).sum();
             let environments = u64::from(self.environment.is_some());
-            samples += (primitives + suns + environments) * u64::from(settings.shadow_rays);
+            samples +=
+                (primitives + suns + environments) * u64::from(settings.estimator.shadow_rays);
         }
         samples
     }

@@ -28,7 +28,7 @@ impl From<Rgb> for DVec3 {
 }
 
 /// Reads one number for all three, or three.
-pub struct OneOrThree(pub &'static str);
+pub(crate) struct OneOrThree(pub &'static str);
 
 impl<'de> Visitor<'de> for OneOrThree {
     type Value = [f64; 3];

@@ -1,8 +1,10 @@
-//! The `[render]` table: every setting also has a flag.
+//! How to render: the table `[render]` of a scene file, of which every key also has a flag.
 
 use super::aov::{Aov, Aovs};
 use super::choice::choice;
 use super::sampler::Sampler;
+#[cfg(feature = "clap")]
+use super::shadow_rays::MAX_SHADOW_RAYS;
 use super::shadow_rays::ShadowPattern;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -91,74 +93,171 @@ choice! {
     }
 }
 
-/// Largest `max_specular_depth`.
+/// Largest [`max_specular_depth`](EstimatorSettings::max_specular_depth).
 pub const MAX_SPECULAR_DEPTH: u32 = 64;
 
-/// How to render.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+/// Defines the table `[render]` once: its parts as structs, the flags that override the first of them, and the table as files
+/// spell it, flat. The first paragraph of a field's comment is also the help of its flag.
+macro_rules! render_table {
+    (
+        $(#[$of_estimator:meta])* struct $Estimator:ident, flags $Flags:ident {
+            $($(#[doc = $e_doc:literal])* $(#[schemars $schema:tt])? #[flag($($flag:tt)*)] $e:ident: $E:ty = $e_default:expr,)*
+        }
+        $(#[$of_stop:meta])* struct $Stop:ident {
+            $($(#[doc = $s_doc:literal])* $s:ident: $S:ty = $s_default:expr,)*
+        }
+    ) => {
+        $(#[$of_estimator])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+        pub struct $Estimator {
+            $($(#[doc = $e_doc])* pub $e: $E,)*
+        }
+
+        impl Default for $Estimator {
+            fn default() -> Self {
+                Self { $($e: $e_default,)* }
+            }
+        }
+
+        impl $Estimator {
+            /// Its settings by their names in scene files, as these spell them.
+            pub fn entries(&self) -> Vec<(&'static str, String)> {
+                vec![$((stringify!($e), self.$e.to_string()),)*]
+            }
+        }
+
+        /// Flags that override
+        #[doc = concat!("[`", stringify!($Estimator), "`].")]
+        #[cfg(feature = "clap")]
+        #[derive(Debug, Clone, Default, clap::Args)]
+        pub struct $Flags {
+            $($(#[doc = $e_doc])* #[arg(long, long_help = None::<&'static str>, $($flag)*)] pub $e: Option<$E>,)*
+        }
+
+        #[cfg(feature = "clap")]
+        impl $Flags {
+            /// Sets what is given.
+            pub fn apply(&self, settings: &mut $Estimator) {
+                $(settings.$e = self.$e.unwrap_or(settings.$e);)*
+            }
+        }
+
+        $(#[$of_stop])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        pub struct $Stop {
+            $($(#[doc = $s_doc])* pub $s: $S,)*
+        }
+
+        impl Default for $Stop {
+            fn default() -> Self {
+                Self { $($s: $s_default,)* }
+            }
+        }
+
+        /// How to render.
+        #[derive(Debug, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields, default)]
+        pub(super) struct RenderTable {
+            $($(#[doc = $e_doc])* $(#[schemars $schema])? $e: $E,)*
+            $($(#[doc = $s_doc])* $s: $S,)*
+            /// Seed of the random numbers.
+            seed: u32,
+            /// Images beside radiance, which an EXR holds as further channels.
+            #[schemars(with = "Vec<Aov>")]
+            aovs: Aovs,
+        }
+
+        impl Default for RenderTable {
+            fn default() -> Self {
+                let RenderSettings { estimator, stop, seed, aovs } = RenderSettings::default();
+                Self { $($e: estimator.$e,)* $($s: stop.$s,)* seed, aovs }
+            }
+        }
+
+        impl From<RenderTable> for RenderSettings {
+            fn from(table: RenderTable) -> Self {
+                Self {
+                    estimator: $Estimator { $($e: table.$e,)* },
+                    stop: $Stop { $($s: table.$s,)* },
+                    seed: table.seed,
+                    aovs: table.aovs,
+                }
+            }
+        }
+    };
+}
+
+render_table! {
+    /// How direct lighting is estimated.
+    struct EstimatorSettings, flags EstimatorFlags {
+        /// How directions are chosen
+        #[flag(value_enum)]
+        strategy: Strategy = Strategy::default(),
+        /// How one of several lights is chosen
+        #[flag(value_enum)]
+        light_selection: LightSelection = LightSelection::default(),
+        /// How a point of a chosen light is chosen by the MIS strategies
+        ///
+        /// The other strategies say it themselves.
+        #[flag(value_enum)]
+        light_sampling: LightSampling = LightSampling::default(),
+        /// Whether the MIS strategies sample of an environment map only what is brighter than its mean
+        ///
+        /// The rest is left to BSDF sampling (Karlík et al. 2019). Less noise under a sun in a broad sky; more where the sun is
+        /// hidden and only the sky shines. The other strategies do not depend on it.
+        #[flag(value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+        mis_compensation: bool = false,
+        /// Shadow rays per camera ray, 1 to 1024; with light selection `all` per light
+        #[schemars(range(min = 1, max = 1024))]
+        #[flag(value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS)))]
+        shadow_rays: u32 = 1,
+        /// Where on the lights the points of a camera ray's shadow rays lie
+        #[flag(value_enum)]
+        shadow_pattern: ShadowPattern = ShadowPattern::default(),
+        /// Whether light counts that rough metals reflect after it has met several of their facets
+        ///
+        /// By Kulla & Conty (2017). Without, as in glTF's model and in most renderers' GGX, a white metal of width 1 loses up to
+        /// 69 % of the light.
+        #[flag(value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+        energy_compensation: bool = false,
+        /// Mirrors and panes of glass, one behind the other, in which direct lighting is seen, 0 to 64
+        ///
+        /// What lies deeper is black. A closed body of glass is two of them, and each reflection in its inside one more.
+        #[schemars(range(min = 0, max = 64))]
+        #[flag(value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_SPECULAR_DEPTH)))]
+        max_specular_depth: u32 = 8,
+        /// How random numbers are made
+        #[flag(value_enum)]
+        sampler: Sampler = Sampler::default(),
+        /// Whether pixels take more samples where the error is large and fewer where it is small
+        ///
+        /// [`StopSettings::spp`] on average. The first 16 are the same for all and say where that is.
+        #[flag(value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+        adaptive: bool = false,
+    }
+
+    /// When a render ends: at the first of these.
+    struct StopSettings {
+        /// Samples per pixel, at least 1.
+        spp: u64 = 64,
+        /// Seconds of rendering after which it ends, even with fewer samples; none: `spp` alone decides.
+        time: Option<f64> = None,
+        /// Relative error of the image, √relMSE, at which it ends; none: other settings decide.
+        error: Option<f64> = None,
+        /// Confidence with which the image's error has to be below `error`, between 0 and 1.
+        confidence: f64 = 0.95,
+    }
+}
+
+/// How to render: the estimator, when it stops, and what is written.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct RenderSettings {
-    /// How directions are chosen.
-    pub strategy: Strategy,
-    /// How one of several lights is chosen.
-    pub light_selection: LightSelection,
-    /// How a point of a chosen light is chosen, where the strategy does not say.
-    pub light_sampling: LightSampling,
-    /// Whether the strategies `mis-balance` and `mis-power` sample of an environment map only what is brighter than its mean,
-    /// and leave the rest to BSDF sampling (Karlík et al. 2019). Less noise under a sun in a broad sky; more where the sun
-    /// is hidden and only the sky shines. The other strategies do not depend on it.
-    pub mis_compensation: bool,
-    /// Shadow rays per camera ray where lights are sampled, 1 to 1024; with light selection `all` per light.
-    #[schemars(range(min = 1, max = 1024))]
-    pub shadow_rays: u32,
-    /// Where on the lights the points of a camera ray's shadow rays lie.
-    pub shadow_pattern: ShadowPattern,
-    /// Whether light counts that rough metals reflect after it has met several of their facets (Kulla & Conty 2017). Without,
-    /// as in glTF's model and in most renderers' GGX, a white metal of width 1 loses up to 69 % of the light.
-    pub energy_compensation: bool,
-    /// Mirrors and panes of glass, one behind the other, in which direct lighting is seen, 0 to 64: what lies deeper is
-    /// black. A closed body of glass is two of them, and each reflection in its inside one more.
-    #[schemars(range(min = 0, max = 64))]
-    pub max_specular_depth: u32,
-    /// How random numbers are made.
-    pub sampler: Sampler,
-    /// Samples per pixel, at least 1.
-    pub spp: u64,
-    /// Whether pixels take more samples where the error is large and fewer where it is small, `spp` on the average. The first 16
-    /// are the same for all and say where that is.
-    pub adaptive: bool,
-    /// Seconds of rendering after which it ends, even with fewer samples; none: `spp` alone decides.
-    pub time: Option<f64>,
-    /// Relative error of the image, √relMSE, at which it ends; none: other settings decide.
-    pub error: Option<f64>,
-    /// Confidence with which the image's error has to be below `error`, between 0 and 1.
-    pub confidence: f64,
+    /// How direct lighting is estimated.
+    pub estimator: EstimatorSettings,
+    /// When to stop.
+    pub stop: StopSettings,
     /// Seed of the random numbers.
     pub seed: u32,
     /// Images beside radiance, which an EXR holds as further channels.
-    #[schemars(with = "Vec<Aov>")]
     pub aovs: Aovs,
-}
-
-impl Default for RenderSettings {
-    fn default() -> Self {
-        Self {
-            strategy: Strategy::default(),
-            light_selection: LightSelection::default(),
-            light_sampling: LightSampling::default(),
-            mis_compensation: false,
-            shadow_rays: 1,
-            shadow_pattern: ShadowPattern::default(),
-            energy_compensation: false,
-            max_specular_depth: 8,
-            sampler: Sampler::default(),
-            spp: 64,
-            adaptive: false,
-            time: None,
-            error: None,
-            confidence: 0.95,
-            seed: 0,
-            aovs: Aovs::default(),
-        }
-    }
 }

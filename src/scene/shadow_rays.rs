@@ -1,7 +1,7 @@
 //! Several shadow rays per camera ray: how many, and where on the lights they end.
 
 use super::choice::choice;
-use crate::golden;
+use crate::lattice;
 
 /// Most shadow rays per camera ray, and with light selection `all` per light.
 pub const MAX_SHADOW_RAYS: u32 = 1024;
@@ -46,7 +46,7 @@ impl ShadowGrid {
     pub fn new(rays: u32) -> Self {
         let divides = |rows: &u32| rays.is_multiple_of(*rows);
         let rows = (1..=rays.isqrt()).rev().find(divides).unwrap_or(1);
-        let generator = golden::coprime(rays);
+        let generator = lattice::coprime(rays);
         let step = |k: u64| ((k << 32) / u64::from(rays)) as u32;
         let square = u64::from(generator).pow(2) % u64::from(rays);
         Self {

@@ -274,47 +274,47 @@ impl Check<'_> {
 
     fn settings(&self, scene: &Scene, render: &RenderSettings) -> Outcome {
         self.require(
-            render.spp >= 1,
+            render.stop.spp >= 1,
             || "render.spp".to_owned(),
-            || format!("is {}", render.spp),
+            || format!("is {}", render.stop.spp),
             "at least 1 sample per pixel",
         )?;
-        let time = render.time.unwrap_or(1.0);
+        let time = render.stop.time.unwrap_or(1.0);
         self.require(
             time > 0.0 && time.is_finite(),
             || "render.time".to_owned(),
             || format!("is {time}"),
             "seconds, above 0",
         )?;
-        let error = render.error.unwrap_or(1.0);
+        let error = render.stop.error.unwrap_or(1.0);
         self.require(
             error > 0.0 && error.is_finite(),
             || "render.error".to_owned(),
             || format!("is {error}"),
             "a relative error such as 0.01, above 0",
         )?;
-        let confidence = render.confidence;
+        let confidence = render.stop.confidence;
         self.require(
             confidence > 0.0 && confidence < 1.0,
             || "render.confidence".to_owned(),
             || format!("is {confidence}"),
             "a probability such as 0.95, above 0 and below 1",
         )?;
-        let rays = render.shadow_rays;
+        let rays = render.estimator.shadow_rays;
         self.require(
             (1..=MAX_SHADOW_RAYS).contains(&rays),
             || "render.shadow_rays".to_owned(),
             || format!("is {rays}"),
             "1 to 1024",
         )?;
-        let depth = render.max_specular_depth;
+        let depth = render.estimator.max_specular_depth;
         self.require(
             depth <= MAX_SPECULAR_DEPTH,
             || "render.max_specular_depth".to_owned(),
             || format!("is {depth}"),
             "0 to 64",
         )?;
-        let samples = match render.light_selection {
+        let samples = match render.estimator.light_selection {
             LightSelection::All => scene.samples_of_all_lights(render),
             LightSelection::Uniform | LightSelection::Power | LightSelection::Tree => {
                 u64::from(rays)

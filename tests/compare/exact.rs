@@ -2,13 +2,13 @@
 
 use super::scaled;
 use crate::support::{STRATEGIES, context, prepared_for, scene, statistics};
-use direkt::reference::Twin;
-use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
-use direkt::reference::exact::scene::ExactScene;
+use direkt::low_level::reference::Twin;
+use direkt::low_level::reference::broken::{BROKEN_TWINS, BrokenTwin};
+use direkt::low_level::reference::exact::scene::ExactScene;
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::t_test::one_sample;
 use direkt::scene::material::DielectricLayer;
 use direkt::scene::{Bsdf, FilmSize, Scene, Strategy};
-use direkt::stats::moments::Moments;
-use direkt::stats::t_test::one_sample;
 use direkt_instruments::compare::{CompareError, Settings, compare};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -24,7 +24,7 @@ fn exact(
         broken: None,
         exact: true,
     };
-    let selection = scene.render.light_selection;
+    let selection = scene.render.estimator.light_selection;
     let prepared = prepared_for(scene, strategy, selection);
     compare(context(), &prepared, &settings, |_| ())
 }
@@ -90,7 +90,7 @@ fn exact_answers_reject_every_broken_twin() {
     });
     // A light so near that BSDF samples find much of it.
     let mut near = scene("scenes/tests/square_near.toml");
-    near.render.shadow_rays = 4;
+    near.render.estimator.shadow_rays = 4;
     assert_rejected("near square, 4 shadow rays", near, |twin| {
         twin == BrokenTwin::RaysForgotten
     });
@@ -106,7 +106,7 @@ fn assert_rejected(name: &str, mut scene: Scene, broken: impl Fn(BrokenTwin) -> 
         };
     }
     let film = scaled(scene.film, pixels as u32);
-    let selection = scene.render.light_selection;
+    let selection = scene.render.estimator.light_selection;
     let prepared = prepared_for(scene, Strategy::MisPower, selection);
     let honest = Twin::new(&prepared, film, 3, None);
     let answers = ExactScene::new(honest.direct().world()).unwrap();

@@ -5,7 +5,7 @@ mod power;
 mod scenes;
 
 use crate::support::{context, prepared_for};
-use direkt::reference::BrokenTwin;
+use direkt::low_level::reference::BrokenTwin;
 use direkt::scene::{FilmSize, Scene, Strategy};
 use direkt_instruments::compare::{Comparison, Settings, compare};
 
@@ -17,7 +17,11 @@ fn compared(
     broken: Option<BrokenTwin>,
 ) -> Comparison {
     let context = context();
-    let prepared = prepared_for(scene.clone(), strategy, scene.render.light_selection);
+    let prepared = prepared_for(
+        scene.clone(),
+        strategy,
+        scene.render.estimator.light_selection,
+    );
     let settings = Settings {
         film: scaled(scene.film, pixels),
         samples,

@@ -2,8 +2,8 @@
 
 use super::compared;
 use crate::support::{KINDS_OF_STRATEGIES, prepared_for, scene, scenes_of_lights};
-use direkt::effects::Effect;
-use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
+use direkt::low_level::effects::Effect;
+use direkt::low_level::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::scene::{LightSampling, Scene, Strategy};
 use direkt_instruments::compare::Comparison;
 
@@ -31,7 +31,7 @@ fn cases() -> Vec<(String, Scene, Strategy, u32)> {
     let own = scenes_of_lights();
     let all = own.into_iter().flat_map(|(name, mut scene)| {
         // Wrong weights are about what light sampling does badly.
-        scene.render.light_sampling = LightSampling::Area;
+        scene.render.estimator.light_sampling = LightSampling::Area;
         KINDS_OF_STRATEGIES.map(|strategy| (name.clone(), scene.clone(), strategy, 1 << 12))
     });
     let quiet = ["scenes/veach.toml", "scenes/tests/square_parallel.toml"];
@@ -45,7 +45,7 @@ fn cases_of_several_rays() -> Vec<(String, Scene, Strategy, u32)> {
     let sky = "scenes/tests/sky.toml";
     scenes.push((sky.to_owned(), scene(sky)));
     let several = |(name, mut scene): (String, Scene)| {
-        scene.render.shadow_rays = 4;
+        scene.render.estimator.shadow_rays = 4;
         let name = format!("{name} with 4 shadow rays");
         (name, scene, Strategy::MisPower, 1 << 12)
     };
@@ -67,7 +67,11 @@ fn every_broken_twin_is_rejected_on_every_scene() {
     let mut found = vec![Found::default(); BROKEN_TWINS.len()];
     let special = [cases_of_several_rays(), cases_of_opacities()].concat();
     for (name, scene, strategy, pixels) in cases().into_iter().chain(special) {
-        let prepared = prepared_for(scene.clone(), strategy, scene.render.light_selection);
+        let prepared = prepared_for(
+            scene.clone(),
+            strategy,
+            scene.render.estimator.light_selection,
+        );
         let several = prepared.shadow_rays() > 1;
         let opacities = prepared.effects.contains(Effect::Alpha);
         for (row, found) in BROKEN_TWINS.iter().zip(&mut found) {

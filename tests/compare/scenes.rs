@@ -80,10 +80,10 @@ fn gpu_and_reference_agree_with_several_shadow_rays() {
             (Strategy::MisPower, 4, Center, Uniform, Sampler::Stratified),
         ] {
             let mut scene = scene.clone();
-            scene.render.light_selection = selection;
-            scene.render.shadow_rays = rays;
-            scene.render.shadow_pattern = pattern;
-            scene.render.sampler = sampler;
+            scene.render.estimator.light_selection = selection;
+            scene.render.estimator.shadow_rays = rays;
+            scene.render.estimator.shadow_pattern = pattern;
+            scene.render.estimator.sampler = sampler;
             let comparison = compared(&scene, strategy, (1 << 11, 64), None);
             let what = format!("{name}, {strategy}, {rays} {pattern}, {selection}, {sampler}");
             assert_agrees(&comparison, &what);
@@ -102,10 +102,10 @@ fn gpu_and_reference_agree_with_a_light_tree() {
             (Strategy::LightArea, 3, Random, Sampler::Independent),
         ] {
             let mut scene = scene.clone();
-            scene.render.light_selection = LightSelection::Tree;
-            scene.render.shadow_rays = rays;
-            scene.render.shadow_pattern = pattern;
-            scene.render.sampler = sampler;
+            scene.render.estimator.light_selection = LightSelection::Tree;
+            scene.render.estimator.shadow_rays = rays;
+            scene.render.estimator.shadow_pattern = pattern;
+            scene.render.estimator.sampler = sampler;
             let comparison = compared(&scene, strategy, (1 << 11, 64), None);
             let what = format!("{name}, light tree, {strategy}, {rays} {pattern}, {sampler}");
             assert_agrees(&comparison, &what);

@@ -6,11 +6,11 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::numbers;
 use crate::support::rounding::U;
 use crate::support::shader::{Function, draw};
-use direkt::gpu::Context;
-use direkt::gpu::layout::{BLOCK_SAMPLES, PixelState};
-use direkt::image::exr;
-use direkt::reference::core::rng::to_unit;
-use direkt::render::{Film, Pixel};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::gpu::layout::{BLOCK_SAMPLES, PixelState};
+use direkt::low_level::image::exr;
+use direkt::low_level::reference::core::rng::to_unit;
+use direkt::low_level::render::{Film, Pixel};
 use direkt::scene::{FilmSize, Sampler};
 
 /// Blocks of ten million samples.

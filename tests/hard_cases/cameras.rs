@@ -4,9 +4,9 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
 use crate::support::statistics::accept;
 use crate::support::{context, floor_pixel, point_light, prepared, render};
-use direkt::effects::Effect;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::{Camera, FilmSize, Projection, Scene};
-use direkt::stats::z_test::z_test;
 use glam::{DMat3, DVec3};
 
 /// How far columns are from orthonormal: the largest element of MᵀM − 1.
@@ -91,7 +91,7 @@ fn distant_cameras_see_what_parallel_rays_see() {
         width: 8,
         height: 8,
     };
-    scene.render.spp = 1 << 10;
+    scene.render.stop.spp = 1 << 10;
     let from = |distance: f64, scene: &Scene| {
         let mut scene = scene.clone();
         let eye = DVec3::new(0.0, 0.0, distance);

@@ -2,14 +2,14 @@
 
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::{STRATEGIES, context, emitter, floor_pixel, lambert, render, statistics};
-use direkt::gpu::Context;
-use direkt::reference::exact::rectangle::{parallel_rectangle, perpendicular_rectangle};
-use direkt::reference::exact::variance::{parallel_rectangle_by_area, wall_by_area};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::reference::exact::rectangle::{parallel_rectangle, perpendicular_rectangle};
+use direkt::low_level::reference::exact::variance::{parallel_rectangle_by_area, wall_by_area};
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::{
     Camera, FilmSize, Geometry, LightSampling, Material, MaterialId, Sampler, Scene, Strategy,
 };
-use direkt::stats::moments::Moments;
-use direkt::stats::z_test::z_test;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -42,9 +42,9 @@ fn floor_and_light(light: Geometry) -> Scene {
     let mut light = emitter(light, 1.0, false);
     light.material = MaterialId(1);
     scene.shapes.push(light);
-    scene.render.sampler = Sampler::Independent;
-    scene.render.light_sampling = LightSampling::SolidAngle;
-    scene.render.spp = 256;
+    scene.render.estimator.sampler = Sampler::Independent;
+    scene.render.estimator.light_sampling = LightSampling::SolidAngle;
+    scene.render.stop.spp = 256;
     scene
 }
 
@@ -69,7 +69,7 @@ fn lid(center: [f64; 2], [width, depth]: [f64; 2], gap: f64) -> Scene {
 /// Samples of the irradiance: L_o = ρ E/π.
 fn irradiance(context: &Context, scene: &Scene, strategy: Strategy) -> Moments {
     let mut scene = scene.clone();
-    scene.render.strategy = strategy;
+    scene.render.estimator.strategy = strategy;
     let film = render(context, scene);
     assert_eq!(
         film.ledger.dropped, 0,

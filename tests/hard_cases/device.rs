@@ -3,10 +3,12 @@
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::{context, floor_pixel, point_light, prepared, scene, take};
 use direkt::error::{Error, GpuError};
-use direkt::gpu::Context;
-use direkt::gpu::context::adapters;
-use direkt::prepare::Prepared;
-use direkt::render::{Film, RayCounts, Session, render_keeping_image, render_through_losses};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::gpu::context::adapters;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::render::{
+    Film, RayCounts, Session, render_keeping_image, render_through_losses,
+};
 use direkt::scene::{FilmSize, Geometry, Sampler};
 use glam::DVec3;
 
@@ -25,7 +27,7 @@ fn floor(width: u32, height: u32) -> Prepared {
 fn a_render_outlives_its_devices() {
     const SPP: u64 = 640;
     let mut cornell = scene("scenes/cornell.toml");
-    cornell.render.sampler = Sampler::Sobol;
+    cornell.render.estimator.sampler = Sampler::Sobol;
     cornell.film = FilmSize {
         width: 40,
         height: 30,

@@ -4,8 +4,8 @@ use super::hierarchy::distances_by_both_ways;
 use super::meshes::triangle;
 use crate::support::random::{Random, rounded};
 use crate::support::{context, floor_pixel, prepared_for, shape};
-use direkt::accel::grid::Grid;
-use direkt::prepare::Prepared;
+use direkt::low_level::accel::grid::Grid;
+use direkt::low_level::prepare::Prepared;
 use direkt::scene::{Camera, Geometry, LightSelection, Mesh, Strategy};
 use glam::{DVec2, DVec3};
 

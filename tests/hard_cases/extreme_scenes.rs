@@ -5,14 +5,14 @@ use crate::support::{
     KINDS_OF_STRATEGIES, assert_pixel, context, emitter, floor_pixel, lambert, prepared, render,
     render_prepared, shape, statistics,
 };
-use direkt::gpu::Context;
-use direkt::render::Film;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::render::Film;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{
     Camera, EnvironmentRadiance, FilmSize, Geometry, Mesh, Projection, Scene, Shape, Strategy,
     Texels, Texture, TextureId, TextureUse, Wrap,
 };
-use direkt::stats::z_test::z_test;
 use glam::{DAffine2, DVec2, DVec3};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -25,7 +25,7 @@ const RADIANCE: f64 = 5.0;
 fn floor_and(shapes: Vec<Shape>) -> Scene {
     let mut scene = floor_pixel();
     scene.shapes.extend(shapes);
-    scene.render.spp = 1 << 13;
+    scene.render.stop.spp = 1 << 13;
     scene
 }
 
@@ -136,7 +136,7 @@ fn far_lamps_of_every_shape_shine_under_every_kind_of_strategy() {
     let lamps = [disk, square].map(|lamp| emitter(lamp, RADIANCE, false));
     for strategy in KINDS_OF_STRATEGIES {
         let mut scene = floor_and([vec![lamp()], lamps.to_vec()].concat());
-        scene.render.strategy = strategy;
+        scene.render.estimator.strategy = strategy;
         let expected = 0.5 * RADIANCE * sky_of_square();
         assert_extreme(context, scene, expected, &format!("{strategy}"));
     }
@@ -160,7 +160,7 @@ fn far_triangles_shine_when_sampled_by_solid_angle() {
             Strategy::LightProjectedSolidAngle,
         ] {
             let mut scene = floor_and(vec![emitter(square.clone(), RADIANCE, false)]);
-            scene.render.strategy = strategy;
+            scene.render.estimator.strategy = strategy;
             let expected = 0.5 * RADIANCE * sky_of_square();
             assert_extreme(context, scene, expected, &format!("{far:e}, {strategy}"));
         }
@@ -267,7 +267,7 @@ pub(crate) fn room(half_side: f64) -> Scene {
         height: 8,
     };
     scene.materials = vec![lambert(0.7)];
-    scene.render.spp = 1 << 10;
+    scene.render.stop.spp = 1 << 10;
     scene
 }
 

@@ -5,9 +5,9 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::{Random, rounded};
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, floor_pixel, prepared_for, shape};
-use direkt::accel::flatten::MAX_DEPTH;
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
+use direkt::low_level::accel::flatten::MAX_DEPTH;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
 use direkt::scene::{Geometry, LightSelection, Mesh, Strategy};
 use glam::DVec3;
 

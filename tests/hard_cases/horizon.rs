@@ -9,8 +9,8 @@ use glam::{DVec3, Vec3};
 fn lit_by(geometry: Geometry, two_sided: bool) -> Scene {
     let mut scene = floor_pixel();
     scene.shapes.push(emitter(geometry, 1.0, two_sided));
-    scene.render.sampler = Sampler::Independent;
-    scene.render.light_sampling = LightSampling::SolidAngle;
+    scene.render.estimator.sampler = Sampler::Independent;
+    scene.render.estimator.light_sampling = LightSampling::SolidAngle;
     scene
 }
 
@@ -61,8 +61,8 @@ fn lights_that_send_nothing_send_nothing() {
     for (what, scene) in dark() {
         for strategy in STRATEGIES {
             let mut scene = scene.clone();
-            scene.render.strategy = strategy;
-            scene.render.spp = 1024;
+            scene.render.estimator.strategy = strategy;
+            scene.render.stop.spp = 1024;
             let film = render(context, scene);
             let pixel = &film.pixels[0];
             // Edge-on, the position's rounding decides how much of the light is seen.
@@ -110,8 +110,8 @@ fn half_a_triangle_below_the_horizon_does_not_count() {
         scene.camera.eye = DVec3::new(0.0, -0.1, 0.05);
         scene.camera =
             direkt::scene::Camera::look_at(scene.camera.eye, DVec3::ZERO, DVec3::Z, 1e-5).unwrap();
-        scene.render.strategy = strategy;
-        scene.render.spp = 1 << 16;
+        scene.render.estimator.strategy = strategy;
+        scene.render.stop.spp = 1 << 16;
         let film = render(context, scene);
         let what = format!("clipped triangle, {strategy}, {}", context.adapter.name);
         assert_pixel(&film, 0.5 * 0.391_227_737_431_134, &what);

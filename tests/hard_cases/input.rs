@@ -3,7 +3,7 @@
 use super::moved::{difference, film};
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::{context, prepared, scene};
-use direkt::prepare::Prepared;
+use direkt::low_level::prepare::Prepared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
     Emission, FilmSize, Geometry, LightSampling, LightSelection, Mesh, Sampler, Scene, Shape,
@@ -47,14 +47,14 @@ fn small(mut scene: Scene) -> Scene {
         width: 32,
         height: 32,
     };
-    scene.render.sampler = Sampler::Independent;
-    scene.render.light_sampling = LightSampling::SolidAngle;
-    scene.render.light_selection = LightSelection::Uniform;
+    scene.render.estimator.sampler = Sampler::Independent;
+    scene.render.estimator.light_sampling = LightSampling::SolidAngle;
+    scene.render.estimator.light_selection = LightSelection::Uniform;
     scene
 }
 
 /// Pixels that differ, or lack a sample.
-fn different(context: &direkt::gpu::Context, clean: &Prepared, other: &Prepared) -> f64 {
+fn different(context: &direkt::low_level::gpu::Context, clean: &Prepared, other: &Prepared) -> f64 {
     let (a, b) = (film(context, clean), film(context, other));
     a.pixels
         .iter()

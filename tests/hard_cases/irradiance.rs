@@ -5,9 +5,9 @@ use super::worst;
 use crate::support::context;
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::shader::{Function, call, words};
-use direkt::gpu::Context;
-use direkt::reference::exact::polygon::polygon_factor;
-use direkt::reference::exact::sphere::sphere_factor;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::reference::exact::polygon::polygon_factor;
+use direkt::low_level::reference::exact::sphere::sphere_factor;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ fn irradiance(
     let imports = format!(
         "import package::core::constants::TWO_PI;
          import package::core::frame::frame_from_normal;
-         import package::core::pdf::PdfDiscrete;
+         import package::core::pdf::ExpectedSamples;
          import package::light::area_light::sample_area_light;
          import package::scene::fetch::{{LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_TRIANGLE, Light}};
          {imports}"
@@ -34,7 +34,7 @@ fn irradiance(
         "let light = Light(in_vec3f(0u), {kind}, {kind} != LIGHT_SPHERE, false, in_vec3f(3u), 1.0, in_vec3f(6u), in_f32(9u), vec3f(1.0));
          let u = in_vec2f(10u);
          let s = sample_area_light(
-             light, PdfDiscrete(1.0), vec3f(0.0), frame_from_normal(vec3f(0.0, 0.0, 1.0)), u);
+             light, ExpectedSamples(1.0), vec3f(0.0), frame_from_normal(vec3f(0.0, 0.0, 1.0)), u);
          out_f32(0u, s.radiance_over_pdf.x * max(s.wi.z, 0.0));
          out_f32(1u, {textbook});"
     );

@@ -5,8 +5,8 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::rounded;
 use crate::support::shader::{Function, call, call_in, draw, words};
 use crate::support::{context, edge_points, floor_pixel, point_light, prepared_for, shape};
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{
     DirectionalLight, Environment, EnvironmentMap, EnvironmentRadiance, Geometry, Light,
@@ -28,14 +28,14 @@ fn sphere_samples(
 ) -> Vec<f64> {
     let function = Function {
         imports: "import package::core::frame::frame_from_normal;
-            import package::core::pdf::PdfDiscrete;
+            import package::core::pdf::ExpectedSamples;
             import package::light::area_light::sample_area_light;
             import package::scene::fetch::{LIGHT_SPHERE, Light};",
         body: "let light = Light(
                    vec3f(0.25, -0.5, 1.0), LIGHT_SPHERE, true, false, vec3f(2.0, 0.0, 0.0), 1.0, vec3f(0.0),
                    50.2654825, vec3f(1.0));
                let frame = frame_from_normal(in_vec3f(3u));
-               let s = sample_area_light(light, PdfDiscrete(1.0), in_vec3f(0u), frame, in_vec2f(6u));
+               let s = sample_area_light(light, ExpectedSamples(1.0), in_vec3f(0u), frame, in_vec2f(6u));
                out_f32(0u, s.radiance_over_pdf.x * max(dot(s.wi, frame.z), 0.0));",
         inputs: 8,
         outputs: 1,
@@ -169,14 +169,14 @@ fn a_point_light_on_the_surface_gives_nothing() {
     let prepared = prepared_for(scene, Strategy::LightArea, LightSelection::Uniform);
     let function = Function {
         imports: "import package::core::frame::frame_from_normal;
-            import package::core::pdf::PdfDiscrete;
-            import package::light::alias_table::Choice;
+            import package::core::pdf::ExpectedSamples;
+            import package::light::sample::LightChoice;
             import package::light::light::sample_chosen_light;
             import package::scene::fetch::fetch_light;",
         body: "let light = fetch_light(0u);
                let x = light.a + bitcast<vec3f>(vec3u(item));
                let frame = frame_from_normal(vec3f(0.0, 0.0, 1.0));
-               let s = sample_chosen_light(Choice(0u, PdfDiscrete(1.0)), x, frame, vec2f(0.5), 0u);
+               let s = sample_chosen_light(LightChoice(0u, ExpectedSamples(1.0)), x, frame, vec2f(0.5), 0u);
                out_f32(0u, s.radiance_over_pdf.x * s.wi.z);
                let d = light.a - x;
                out_f32(1u, light.radiance.x * normalize(d).z / dot(d, d));",
@@ -220,14 +220,14 @@ fn nothing_is_too_far_to_hide_a_directional_light() {
     let context = context();
     let function = Function {
         imports: "import package::core::frame::frame_from_normal;
-            import package::core::pdf::PdfDiscrete;
+            import package::core::pdf::ExpectedSamples;
             import package::core::ray::Ray;
-            import package::light::alias_table::Choice;
+            import package::light::sample::LightChoice;
             import package::light::light::sample_chosen_light;
             import package::scene::trace::any_hit;",
         body: "let x = in_vec3f(0u);
                let frame = frame_from_normal(vec3f(0.0, 0.0, 1.0));
-               let s = sample_chosen_light(Choice(0u, PdfDiscrete(1.0)), x, frame, vec2f(0.5), 0u);
+               let s = sample_chosen_light(LightChoice(0u, ExpectedSamples(1.0)), x, frame, vec2f(0.5), 0u);
                out_bool(0u, any_hit(Ray(x, s.target_point - x), 1.0));
                out_bool(1u, any_hit(Ray(x, s.wi), in_f32(3u)));",
         inputs: 4,
@@ -291,7 +291,7 @@ fn every_sample_of_a_constant_map_is_the_same() {
     let body = format!(
         "var heights = vec4f(0.0, 5.9604645e-8, 0.5, 0.99999994);
          let v = heights[item % 4u];
-         let s = sample_environment(PdfDiscrete(1.0), vec3f(0.0), vec2f(0.25, v), (item / 4u) << 25u);
+         let s = sample_environment(ExpectedSamples(1.0), vec3f(0.0), vec2f(0.25, v), (item / 4u) << 25u);
          out_f32(0u, s.radiance_over_pdf.x);
          out_f32(1u, 2.0 / pdf_environment(s.wi).value);
          let row = f32((item / 4u) / {width}u);
@@ -302,7 +302,7 @@ fn every_sample_of_a_constant_map_is_the_same() {
     );
     let function = Function {
         imports: "import package::core::constants::PI;
-            import package::core::pdf::PdfDiscrete;
+            import package::core::pdf::ExpectedSamples;
             import package::light::environment::{pdf_environment, sample_environment};",
         body: &body,
         inputs: 0,

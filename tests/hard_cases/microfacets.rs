@@ -73,7 +73,7 @@ fn weights_at_grazing_angles_are_between_0_and_1() {
 }
 
 /// ω_i = −ω_o but for heights down to 10⁻³⁰: of both the sum's tangential part is 0.
-fn opposite(context: &direkt::gpu::Context) -> Answers {
+fn opposite(context: &direkt::low_level::gpu::Context) -> Answers {
     let function = Function {
         imports: IMPORTS,
         body: "let wi = in_vec3f(0u); let wo = vec3f(-wi.xy, wi.z); let alpha = in_f32(3u);

@@ -2,10 +2,10 @@
 
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::{context, prepared, scene, take};
-use direkt::accel;
-use direkt::gpu::Context;
-use direkt::prepare::{Prepared, SceneData};
-use direkt::render::{Film, Session};
+use direkt::low_level::accel;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::{Prepared, SceneData};
+use direkt::low_level::render::{Film, Session};
 use direkt::scene::normalize::Normalization;
 use direkt::scene::{
     FilmSize, Geometry, Light, LightSampling, LightSelection, PointLight, Projection, Sampler,
@@ -26,10 +26,10 @@ fn original(name: &str) -> Scene {
         width: 64,
         height: 64,
     };
-    scene.render.strategy = Strategy::MisPower;
-    scene.render.light_sampling = LightSampling::SolidAngle;
-    scene.render.light_selection = LightSelection::Power;
-    scene.render.sampler = Sampler::Independent;
+    scene.render.estimator.strategy = Strategy::MisPower;
+    scene.render.estimator.light_sampling = LightSampling::SolidAngle;
+    scene.render.estimator.light_selection = LightSelection::Power;
+    scene.render.estimator.sampler = Sampler::Independent;
     scene
 }
 
@@ -130,9 +130,11 @@ pub(super) fn difference(a: &Film, b: &Film) -> f64 {
         return f64::INFINITY;
     }
     let over = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
-        let of_pixel = |(a, b): (&direkt::render::Pixel, &direkt::render::Pixel)| -> f64 {
-            (0..3).map(|c| f(a.mean[c], b.mean[c])).sum()
-        };
+        let of_pixel = |(a, b): (
+            &direkt::low_level::render::Pixel,
+            &direkt::low_level::render::Pixel,
+        )|
+         -> f64 { (0..3).map(|c| f(a.mean[c], b.mean[c])).sum() };
         pairs().map(of_pixel).sum()
     };
     over(&|a, b| (a - b).abs()) / over(&|a, _| a.abs())

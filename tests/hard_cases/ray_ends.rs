@@ -7,9 +7,9 @@ use crate::support::{
     STRATEGIES, context, emitter, floor_pixel, lambert, point_light, prepared_for, render, shape,
     unit_square,
 };
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
-use direkt::reference::exact::rectangle::parallel_rectangle;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::exact::rectangle::parallel_rectangle;
 use direkt::scene::{
     Camera, DirectionalLight, FilmSize, Geometry, Light, LightSampling, LightSelection, Mesh,
     Sampler, Scene, Strategy,
@@ -75,8 +75,8 @@ fn lamp(occluded: bool) -> Scene {
         };
         scene.shapes.push(shape("cover", cover));
     }
-    scene.render.sampler = Sampler::Independent;
-    scene.render.light_sampling = LightSampling::SolidAngle;
+    scene.render.estimator.sampler = Sampler::Independent;
+    scene.render.estimator.light_sampling = LightSampling::SolidAngle;
     scene
 }
 
@@ -120,12 +120,12 @@ fn what_covers_a_lamp_by_a_hair_covers_it() {
     let exact = 0.5 * parallel_rectangle([-0.5, 0.5], [-0.5, 0.5], 1.0);
     for strategy in STRATEGIES {
         let mut scene = lamp(true);
-        scene.render.strategy = strategy;
+        scene.render.estimator.strategy = strategy;
         let pixel = render(context, scene).pixels[0];
         assert_eq!(pixel.mean, [0.0; 3], "{strategy}, {}", context.adapter.name);
     }
     let mut scene = lamp(false);
-    scene.render.strategy = Strategy::LightProjectedSolidAngle;
+    scene.render.estimator.strategy = Strategy::LightProjectedSolidAngle;
     let pixel = render(context, scene).pixels[0];
     assert!(
         (pixel.mean[0] / exact - 1.0).abs() < 2e-5,

@@ -5,8 +5,8 @@ use crate::support::context;
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
 use crate::support::shader::{Answers, Function, call, words};
-use direkt::gpu::Context;
-use direkt::reference::exact::solid_angle::polygon_solid_angle;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::reference::exact::solid_angle::polygon_solid_angle;
 use glam::{DMat3, DVec3};
 
 /// A point a and the edges u and v from it, seen from the origin.

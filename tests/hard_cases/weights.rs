@@ -3,7 +3,7 @@
 use crate::support::context;
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::shader::{Function, draw};
-use direkt::stats::moments::Moments;
+use direkt::low_level::stats::moments::Moments;
 
 /// The irradiance of a constant environment, one sample over the uniform hemisphere and one in proportion to the cosine:
 /// the variance of their weighted sum is 0.43864423014204 by the balance heuristic and 0.523097720493333 by the power

@@ -1,12 +1,12 @@
 //! Adaptive sampling: which samples pixels have, that their means stay right, and what it gains.
 
 use crate::support::{context, prepared, render, scene, statistics, take};
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
-use direkt::render::{Film, Pixel, Session, StopReason, render_through_losses};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::render::{Film, Pixel, Session, StopReason, render_through_losses};
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::{FilmSize, Sampler, Scene, Strategy};
-use direkt::stats::moments::Moments;
-use direkt::stats::z_test::z_test;
 use std::collections::BTreeSet;
 
 const PILOT: u64 = 16;
@@ -14,7 +14,7 @@ const PILOT: u64 = 16;
 fn cornell(width: u32, height: u32) -> Scene {
     let mut cornell = scene("scenes/cornell.toml");
     cornell.film = FilmSize { width, height };
-    cornell.render.adaptive = true;
+    cornell.render.estimator.adaptive = true;
     cornell
 }
 
@@ -65,7 +65,7 @@ fn pixels_have_the_samples_of_uniform_images() {
 fn passes_regions_and_lost_devices_change_nothing() {
     const SPP: u64 = 400;
     let mut scene = cornell(40, 30);
-    scene.render.sampler = Sampler::Sobol;
+    scene.render.estimator.sampler = Sampler::Sobol;
     let prepared = prepared(scene);
     let context = context();
     let mut whole = session(context, &prepared, 0);
@@ -139,8 +139,8 @@ fn without_an_error_all_pixels_have_the_same() {
     let mut black = cornell(24, 16);
     black.shapes.retain(|shape| shape.emission.is_none());
     let mut pixel = cornell(1, 1);
-    pixel.render.spp = 100;
-    black.render.spp = 100;
+    pixel.render.stop.spp = 100;
+    black.render.stop.spp = 100;
     for scene in [black, pixel] {
         let film = render(context(), scene);
         assert_eq!(counts(&film), BTreeSet::from([100]));
@@ -153,11 +153,14 @@ fn without_an_error_all_pixels_have_the_same() {
 fn means_are_unbiased() {
     const IMAGES: u32 = 25;
     let mut scene = cornell(64, 64);
-    scene.render.strategy = Strategy::Bsdf;
-    scene.render.sampler = Sampler::Independent;
+    scene.render.estimator.strategy = Strategy::Bsdf;
+    scene.render.estimator.sampler = Sampler::Independent;
     let mut exact = scene.clone();
-    (exact.render.strategy, exact.render.spp) = (Strategy::MisPower, 1 << 12);
-    (exact.render.sampler, exact.render.adaptive) = (Sampler::Sobol, false);
+    (exact.render.estimator.strategy, exact.render.stop.spp) = (Strategy::MisPower, 1 << 12);
+    (
+        exact.render.estimator.sampler,
+        exact.render.estimator.adaptive,
+    ) = (Sampler::Sobol, false);
     let context = context();
     let exact = render(context, exact);
     let (expected, its_error) = (exact.mean()[1], exact.standard_error_of_mean().unwrap()[1]);
@@ -196,12 +199,12 @@ fn means_are_unbiased() {
 fn the_error_is_smaller_at_equal_samples() {
     let context = context();
     let mut scene = cornell(128, 128);
-    scene.render.sampler = Sampler::Sobol;
-    scene.render.spp = 2048;
+    scene.render.estimator.sampler = Sampler::Sobol;
+    scene.render.stop.spp = 2048;
     let truth = render(context, scene.clone());
-    (scene.render.spp, scene.render.seed) = (64, 1);
+    (scene.render.stop.spp, scene.render.seed) = (64, 1);
     let errors = [true, false].map(|adaptive| {
-        scene.render.adaptive = adaptive;
+        scene.render.estimator.adaptive = adaptive;
         let film = render(context, scene.clone());
         let mean = truth.mean()[1];
         let terms = film.pixels.iter().zip(&truth.pixels).map(|(found, truth)| {

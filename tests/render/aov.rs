@@ -1,14 +1,14 @@
 //! Images beside radiance against the twin, pixel by pixel, and in world units.
 
 use crate::support::{context, floor_pixel, prepared, scene};
-use direkt::gpu::features::{Features, features, surfaces};
-use direkt::gpu::layout::SurfaceRecord;
-use direkt::prepare::Prepared;
-use direkt::reference::kernel::gbuffer::{MIDDLE, SurfaceSeen, surface_at_film};
-use direkt::reference::scene::opacity::Crossings;
-use direkt::reference::{Direct, Sample, Twin};
-use direkt::render::aov::surface_point;
-use direkt::render::{AovImages, render_aovs};
+use direkt::low_level::gpu::features::{Features, features, surfaces};
+use direkt::low_level::gpu::layout::SurfaceRecord;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::kernel::gbuffer::{MIDDLE, SurfaceSeen, surface_at_film};
+use direkt::low_level::reference::scene::opacity::Crossings;
+use direkt::low_level::reference::{Direct, Sample, Twin};
+use direkt::low_level::render::aov::surface_point;
+use direkt::low_level::render::{AovImages, render_aovs};
 use direkt::scene::{Aov, Camera, FilmSize, Projection, Scene};
 use glam::{DVec2, DVec3};
 

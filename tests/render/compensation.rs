@@ -6,15 +6,15 @@ use crate::support::twin::{
     COMMON_MISTAKES, Part, Power, accept_means, exact_means, recorded_film, same_means,
 };
 use crate::support::{context, floor_pixel, prepared_for, scene, statistics};
-use direkt::emitters::EnvironmentGrid;
-use direkt::prepare::Prepared;
-use direkt::render::Film;
+use direkt::low_level::emitters::EnvironmentGrid;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::render::Film;
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::t_test::welch;
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{
     Bsdf, EnvironmentRadiance, ExpectedRadiance, FilmSize, LightSelection, Scene, Strategy,
 };
-use direkt::stats::moments::Moments;
-use direkt::stats::t_test::welch;
 use glam::DVec3;
 
 const FILM: FilmSize = FilmSize {
@@ -24,7 +24,7 @@ const FILM: FilmSize = FilmSize {
 const MIS: [Strategy; 2] = [Strategy::MisBalance, Strategy::MisPower];
 
 fn prepared(mut scene: Scene, strategy: Strategy, compensation: bool) -> Prepared {
-    scene.render.mis_compensation = compensation;
+    scene.render.estimator.mis_compensation = compensation;
     prepared_for(scene, strategy, LightSelection::Power)
 }
 

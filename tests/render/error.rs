@@ -1,7 +1,7 @@
 //! Images know their own error: with every sampler, on the GPU.
 
 use crate::support::{context, prepared_for, scene};
-use direkt::render::Session;
+use direkt::low_level::render::Session;
 use direkt::scene::{FilmSize, LightSelection, RenderSettings, Sampler, Scene, Strategy};
 use direkt_instruments::cost::calibrate::{Settings, calibrate};
 use direkt_instruments::cost::estimator::{Choices, combinations};
@@ -90,7 +90,7 @@ fn reported_errors_are_the_actual_ones() {
 #[test]
 fn so_they_are_where_sampling_is_adaptive() {
     let mut cornell = cornell();
-    cornell.render.adaptive = true;
+    cornell.render.estimator.adaptive = true;
     assert_calibrated(&cornell, &settings());
 }
 
@@ -98,7 +98,7 @@ fn so_they_are_where_sampling_is_adaptive() {
 #[test]
 fn the_scatter_of_sobol_points_is_not_their_error() {
     let mut scene = cornell();
-    scene.render.sampler = Sampler::Sobol;
+    scene.render.estimator.sampler = Sampler::Sobol;
     let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Power);
     let context = context();
     let mut session = Session::new(context, &prepared, prepared.film, 41).unwrap();

@@ -6,12 +6,12 @@ use crate::support::{
     context, floor_pixel, in_a_process_that_compiles_fast, lambert, own_scenes, point_light,
     prepared, scene, shape, take,
 };
-use direkt::accel::MAX_LIGHT_BOXES;
-use direkt::accel::parts::{PARTS, Split};
-use direkt::effects::Effect;
-use direkt::gpu::doctor::loops::loop_budget;
-use direkt::prepare::{Prepared, SceneData};
-use direkt::render::{Film, Session, StopReason};
+use direkt::low_level::accel::MAX_LIGHT_BOXES;
+use direkt::low_level::accel::parts::{PARTS, Split};
+use direkt::low_level::effects::Effect;
+use direkt::low_level::gpu::doctor::loops::loop_budget;
+use direkt::low_level::prepare::{Prepared, SceneData};
+use direkt::low_level::render::{Film, Session, StopReason};
 use direkt::scene::{Camera, Emission, FilmSize, Geometry, MaterialId, Mesh, Sampler, Scene};
 use glam::DVec3;
 use std::cmp::Reverse;
@@ -138,7 +138,7 @@ fn with_constants_of_all(scene: Scene) -> Prepared {
 /// Few scenes that together call for every effect that any scene calls for: each the one with most that those before lack.
 fn scenes_of_all_effects() -> Vec<(String, Prepared)> {
     let small = |(name, mut scene): (String, Scene)| {
-        scene.render.sampler = Sampler::Independent;
+        scene.render.estimator.sampler = Sampler::Independent;
         scene.film = FilmSize {
             width: 24,
             height: 16,

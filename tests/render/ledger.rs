@@ -19,8 +19,8 @@ fn overflowing_samples_are_dropped_and_counted() {
         width: 9,
         height: 9,
     };
-    scene.render.strategy = Strategy::LightArea;
-    scene.render.spp = 5;
+    scene.render.estimator.strategy = Strategy::LightArea;
+    scene.render.stop.spp = 5;
     let mut in_watts = prepared(scene.clone());
     // A larger unit keeps such a light within f32.
     assert_eq!(render_prepared(context, &in_watts).ledger.dropped, 0);
@@ -53,8 +53,8 @@ fn no_scene_has_a_sample_that_is_not_finite() {
     let of_lights = of_lights.map(|(_, scene)| (scene, 1 << 24));
     let own = own_scenes().into_iter().map(|(_, scene)| (scene, 1 << 20));
     for (mut scene, samples) in of_lights.chain(own) {
-        scene.render.sampler = Sampler::Sobol;
-        scene.render.spp = samples / scene.film.pixels() as u64;
+        scene.render.estimator.sampler = Sampler::Sobol;
+        scene.render.stop.spp = samples / scene.film.pixels() as u64;
         let name = scene.source.display().to_string();
         let film = render(context, scene);
         assert_eq!(film.ledger.dropped, 0, "{name}: {:?}", film.ledger);

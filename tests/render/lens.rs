@@ -1,10 +1,10 @@
 //! What a lens calls for, and what is seen through it.
 
 use crate::support::{context, emitter, floor_pixel, prepared, render, statistics};
-use direkt::effects::Effect;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::filter::FilterKind;
 use direkt::scene::{Camera, Geometry, Lens, PixelFilter, Projection, Scene};
-use direkt::stats::z_test::z_test;
 use glam::DVec3;
 
 /// One narrow pixel along −z through a lens of radius `radius` that is focused at 2, before a disk light of radius ½ at
@@ -25,7 +25,7 @@ fn disk_behind_focus(radius: f64, aside: f64, projection: Projection) -> Scene {
         v: DVec3::new(0.0, 0.5, 0.0),
     };
     scene.shapes = vec![emitter(disk, 1.0, false)];
-    scene.render.spp = 1 << 16;
+    scene.render.stop.spp = 1 << 16;
     scene
 }
 

@@ -1,13 +1,13 @@
 //! The light of groups of lights: together the image, each that of its lights alone, and absent where nobody asks.
 
 use crate::support::{context, point_light, prepared, prepared_for, scene, statistics, take};
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
-use direkt::reference::{BrokenTwin, Twin};
-use direkt::render::{Film, Session};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::{BrokenTwin, Twin};
+use direkt::low_level::render::{Film, Session};
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::{Aov, Aovs, FilmSize, LightSelection, Sampler, Scene, Strategy};
-use direkt::stats::moments::Moments;
-use direkt::stats::z_test::z_test;
 
 const FILM: FilmSize = FilmSize {
     width: 24,
@@ -137,7 +137,7 @@ fn each_group_is_the_twins_with_its_lights_alone() {
     let context = context();
     let (mut broken_shown, mut swapped_shown) = (0, 0);
     for (name, mut scene) in scenes() {
-        scene.render.sampler = Sampler::Independent;
+        scene.render.estimator.sampler = Sampler::Independent;
         let prepared = prepared(scene);
         let film = film(context, &prepared, 128);
         let names = &prepared.emitters.groups.names;
@@ -177,7 +177,7 @@ fn p_of_pixels(pixels: &[f64], exact: f64) -> f64 {
 fn groups_have_their_exact_values() {
     let mut scene = scene("scenes/tests/light_groups.toml");
     // Lights without a surface then have no noise.
-    scene.render.light_selection = LightSelection::All;
+    scene.render.estimator.light_selection = LightSelection::All;
     let total = match &scene.expect.as_ref().unwrap().radiance {
         direkt::scene::ExpectedRadiance::Mean(mean) => mean.x,
         direkt::scene::ExpectedRadiance::Pixels(_) => unreachable!("one value"),

@@ -5,12 +5,12 @@ use crate::support::{
     context, emitter, floor_pixel, point_light, prepared, prepared_for, scene, statistics,
     unit_square,
 };
-use direkt::effects::Effect;
-use direkt::emitters::{LightTree, Selection};
-use direkt::prepare::Prepared;
-use direkt::render::Film;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::emitters::{LightTree, Selection};
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::render::Film;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::{FilmSize, Geometry, LightSelection, Scene, Strategy};
-use direkt::stats::z_test::z_test;
 use glam::DVec3;
 
 const FILM: FilmSize = FilmSize {
@@ -150,8 +150,8 @@ fn a_tree_has_less_than_a_tenth_of_the_variance_of_power() {
 fn a_tree_is_called_for_by_two_lights() {
     let calls = |scene: &Scene, strategy: Strategy| {
         let mut scene = scene.clone();
-        scene.render.light_selection = LightSelection::Tree;
-        scene.render.strategy = strategy;
+        scene.render.estimator.light_selection = LightSelection::Tree;
+        scene.render.estimator.strategy = strategy;
         let effects = prepared(scene).effects;
         let reason = effects
             .iter()

@@ -2,8 +2,8 @@
 
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::{STRATEGIES, assert_pixel, context, floor_pixel, render, scene};
-use direkt::gpu::Context;
-use direkt::render::Pixel;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::render::Pixel;
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{Environment, EnvironmentMap, EnvironmentRadiance, FilmSize, Scene};
 use glam::{DMat3, DVec3};
@@ -13,8 +13,8 @@ fn assert_under_every_strategy(scene: &Scene, spp: u64, expected: f64, what: &st
     let context = context();
     for strategy in STRATEGIES {
         let mut scene = scene.clone();
-        scene.render.strategy = strategy;
-        scene.render.spp = spp;
+        scene.render.estimator.strategy = strategy;
+        scene.render.stop.spp = spp;
         let film = render(context, scene);
         assert_pixel(
             &film,
@@ -32,7 +32,7 @@ fn cornells_light_seen_directly_is_its_radiance() {
         width: 128,
         height: 128,
     };
-    scene.render.spp = 8;
+    scene.render.stop.spp = 8;
     let film = render(context, scene);
     // The light spans rows 16 to 20 and columns 53 to 74 of the image; this pixel is well inside.
     let pixel = &film.pixels[18 * 128 + 64];

@@ -4,7 +4,7 @@ use crate::support::{
     KINDS_OF_STRATEGIES, assert_pixel, context, emitter, floor_pixel, lambert, point_light,
     prepared, render, shape, unit_square,
 };
-use direkt::effects::Effect;
+use direkt::low_level::effects::Effect;
 use direkt::scene::{Geometry, Material, MaterialId, Mesh, Opacity, Scene};
 use glam::DVec3;
 
@@ -66,9 +66,9 @@ fn a_thousand_layers_let_the_product_pass() {
             1e-5,
         )
         .unwrap();
-        scene.render.spp = 1 << 14;
+        scene.render.stop.spp = 1 << 14;
         for strategy in KINDS_OF_STRATEGIES {
-            scene.render.strategy = strategy;
+            scene.render.estimator.strategy = strategy;
             let film = render(context, scene.clone());
             let what = format!("1000 layers, {name}, {strategy}, {}", context.adapter.name);
             assert_pixel(&film, passing * expected, &what);
@@ -92,12 +92,12 @@ fn a_one_sided_sphere_is_crossed_once() {
     };
     scene.shapes.push(shape("sphere", sphere));
     scene.environment = Some(crate::support::every_kind::constant_environment());
-    scene.render.spp = 1 << 16;
+    scene.render.stop.spp = 1 << 16;
     let film = render(context, scene);
     let mean = film.pixels[0].mean;
     let variance = 0.3 * 0.7 / f64::from(1 << 16);
     for (found, sky) in mean.iter().zip([0.2, 0.3, 0.5]) {
-        let test = direkt::stats::z_test::z_test(found / sky, 0.7, variance, 1e-6);
+        let test = direkt::low_level::stats::z_test::z_test(found / sky, 0.7, variance, 1e-6);
         crate::support::statistics::accept(test.p_value, "a one-sided sphere");
     }
 }
@@ -109,7 +109,7 @@ fn a_minute_opacity_lets_all_but_nothing_pass() {
     scene
         .lights
         .push(point_light(DVec3::new(0.0, 0.0, 2.0), 100.0));
-    scene.render.spp = 1 << 12;
+    scene.render.stop.spp = 1 << 12;
     let prepared_scene = prepared(scene.clone());
     assert!(prepared_scene.effects.contains(Effect::Alpha));
     assert_pixel(&render(context(), scene), 3.978_873_577, "opacity 1e-7");

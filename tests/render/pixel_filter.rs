@@ -1,10 +1,10 @@
 //! Images of an edge, which show the integral of the pixel filter.
 
 use crate::support::{context, emitter, floor_pixel, render, shape, statistics};
-use direkt::render::Film;
+use direkt::low_level::render::Film;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::filter::FilterKind;
 use direkt::scene::{Camera, FilmSize, Geometry, PixelFilter, Projection, Sampler, Scene};
-use direkt::stats::z_test::z_test;
 use glam::DVec3;
 
 /// Where the light begins, in pixels from the left edge.
@@ -41,8 +41,8 @@ fn edge(filter: PixelFilter, sampler: Sampler) -> Scene {
     };
     scene.shapes = vec![emitter(light, 1.0, false), shape("wall", wall)];
     scene.filter = filter;
-    scene.render.sampler = sampler;
-    scene.render.spp = 1 << 16;
+    scene.render.estimator.sampler = sampler;
+    scene.render.stop.spp = 1 << 16;
     scene
 }
 

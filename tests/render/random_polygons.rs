@@ -1,10 +1,10 @@
 //! Polygon lights that nobody has looked at: each agrees with Lambert's formula.
 
 use crate::support::{STRATEGIES, context, emitter, floor_pixel, render, statistics};
-use direkt::reference::core::rng::{pcg4d, to_unit};
-use direkt::reference::exact::polygon::polygon_factor;
+use direkt::low_level::reference::core::rng::{pcg4d, to_unit};
+use direkt::low_level::reference::exact::polygon::polygon_factor;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::{FilmSize, Geometry, Mesh};
-use direkt::stats::z_test::z_test;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -77,9 +77,9 @@ fn any_polygon_light_agrees_with_lamberts_formula() {
             let towards = scene.camera.eye.normalize();
             scene.camera.eye = 0.015 * towards;
             scene.shapes.push(emitter(fan(&corners), 10.0, two_sided));
-            scene.render.strategy = strategy;
+            scene.render.estimator.strategy = strategy;
             scene.render.seed = index;
-            scene.render.spp = 256;
+            scene.render.stop.spp = 256;
             scene.film = FilmSize {
                 width: 64,
                 height: 64,

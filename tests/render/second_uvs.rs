@@ -2,7 +2,7 @@
 
 use crate::support::every_kind::constant_environment;
 use crate::support::{assert_pixel, context, floor_pixel, lambert, prepared, render, shape};
-use direkt::effects::Effect;
+use direkt::low_level::effects::Effect;
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{
     EnvironmentRadiance, Geometry, Mesh, Opacity, Scene, Texels, Texture, TextureId, TextureUse,
@@ -57,7 +57,7 @@ pub fn floor([color, opacity]: [bool; 2]) -> Scene {
     sky.radiance = EnvironmentRadiance::Constant(DVec3::ONE);
     sky.scale = 1.0;
     scene.environment = Some(sky);
-    scene.render.spp = 1 << 12;
+    scene.render.stop.spp = 1 << 12;
     scene
 }
 

@@ -4,16 +4,16 @@ use crate::support::{
     assert_pixel, context, emitter, floor_pixel, point_light, prepared, render, scene, statistics,
     unit_square,
 };
-use direkt::effects::Effect;
-use direkt::reference::exact::cubature::{Tolerance, integrate};
-use direkt::render::{Check, Film, Session};
+use direkt::low_level::effects::Effect;
+use direkt::low_level::reference::exact::cubature::{Tolerance, integrate};
+use direkt::low_level::render::{Check, Film, Session};
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::t_test::one_sample;
 use direkt::scene::Projection;
 use direkt::scene::{
     DirectionalLight, ExpectedRadiance, FilmSize, Geometry, Light, LightSelection, Sampler, Scene,
     ShadowGrid, ShadowPattern, Strategy,
 };
-use direkt::stats::moments::Moments;
-use direkt::stats::t_test::one_sample;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
@@ -23,8 +23,8 @@ const FACTOR: f64 = RADIANCE * 0.5 / PI;
 
 /// `scene` with `rays` shadow rays in `pattern`.
 fn with_rays(mut scene: Scene, rays: u32, pattern: ShadowPattern) -> Scene {
-    scene.render.shadow_rays = rays;
-    scene.render.shadow_pattern = pattern;
+    scene.render.estimator.shadow_rays = rays;
+    scene.render.estimator.shadow_pattern = pattern;
     scene
 }
 
@@ -60,9 +60,9 @@ fn exact_values_are_found_with_several_rays_and_every_light() {
             for (rays, pattern, selection) in WAYS {
                 let mut scene =
                     with_rays(scene(&format!("scenes/tests/{name}.toml")), rays, pattern);
-                scene.render.strategy = strategy;
-                scene.render.light_selection = selection;
-                scene.render.spp = (scene.render.spp / 8).max(64);
+                scene.render.estimator.strategy = strategy;
+                scene.render.estimator.light_selection = selection;
+                scene.render.stop.spp = (scene.render.stop.spp / 8).max(64);
                 let film = render(context, scene.clone());
                 let what = format!(
                     "{name}, {strategy}, {rays} {pattern} rays, {selection}, {}",
@@ -104,7 +104,7 @@ fn square_over_floor() -> Scene {
         v: DVec3::X,
     };
     scene.shapes.push(emitter(square, RADIANCE, false));
-    scene.render.strategy = Strategy::LightArea;
+    scene.render.estimator.strategy = Strategy::LightArea;
     scene
 }
 
@@ -160,7 +160,7 @@ fn variance_falls_with_the_number_of_rays() {
             (ShadowPattern::Stratified, strata, random),
         ] {
             let mut scene = with_rays(square_over_floor(), rays, pattern);
-            scene.render.spp = samples;
+            scene.render.stop.spp = samples;
             scene.render.seed = rays;
             let film = render(context, scene);
             let what = format!(
@@ -186,7 +186,7 @@ fn four_lights() -> (Scene, f64) {
         direction: -DVec3::Z,
         irradiance: DVec3::splat(2.0),
     }));
-    scene.render.strategy = Strategy::LightArea;
+    scene.render.estimator.strategy = Strategy::LightArea;
     let irradiance = heights.iter().map(|z| 10.0 / (z * z)).sum::<f64>() + 2.0;
     (scene, 0.5 / PI * irradiance)
 }
@@ -203,7 +203,7 @@ fn every_light_leaves_no_variance_of_choice() {
     ] {
         let (scene, expected) = four_lights();
         let mut scene = with_rays(scene, rays, pattern);
-        scene.render.light_selection = selection;
+        scene.render.estimator.light_selection = selection;
         let (film, size) = (render(context, scene.clone()), scene.film);
         let pixel = &film.pixels[0];
         let what = format!("{rays} {pattern}, {selection}: {pixel:?}");
@@ -219,7 +219,7 @@ fn every_light_leaves_no_variance_of_choice() {
         assert_eq!(counts.shadow, 16 * traced, "{what}");
     }
     let (mut scene, expected) = four_lights();
-    scene.render.light_selection = LightSelection::Uniform;
+    scene.render.estimator.light_selection = LightSelection::Uniform;
     let pixel = render(context, scene).pixels[0];
     assert!((pixel.m2[0] / 15.0).sqrt() > 0.3 * expected, "{pixel:?}");
 }
@@ -252,7 +252,7 @@ fn center_and_grid_are_quadratures() {
             scene.film = floor_pixel().film;
             // So that what the pixel sees does not vary either.
             scene.camera.projection = Projection::Perspective { fov_y: 1e-9 };
-            scene.render.sampler = sampler;
+            scene.render.estimator.sampler = sampler;
             let pixel = render(context, scene.clone()).pixels[0];
             let expected = FACTOR * quadrature(points);
             let what = format!("{pattern}, {rays} rays, {sampler}: {pixel:?} for {expected}");
@@ -297,10 +297,10 @@ fn every_point_of_a_grid_meets_every_light() {
             };
             scene.shapes.push(emitter(square, RADIANCE, false));
         }
-        scene.render.strategy = Strategy::LightArea;
-        scene.render.sampler = sampler;
-        scene.render.light_selection = LightSelection::Uniform;
-        scene.render.spp = 1 << 14;
+        scene.render.estimator.strategy = Strategy::LightArea;
+        scene.render.estimator.sampler = sampler;
+        scene.render.estimator.light_selection = LightSelection::Uniform;
+        scene.render.stop.spp = 1 << 14;
         let film = render(context, scene);
         assert_pixel(&film, expected, &format!("grid over two lights, {sampler}"));
     }
@@ -320,7 +320,7 @@ fn cut_loops_lose_no_shadow_ray() {
         let light = |z: f64| point_light(DVec3::new(0.0, 0.0, z), 8.0);
         scene.lights = vec![light(-1.0); below];
         scene.lights.push(light(2.0));
-        scene.render.light_selection = selection;
+        scene.render.estimator.light_selection = selection;
         let prepared = prepared(scene);
         let mut session = Session::new(context, &prepared, prepared.film, 0).unwrap();
         session.pass(256, || false).unwrap();
@@ -331,7 +331,7 @@ fn cut_loops_lose_no_shadow_ray() {
         let expected = 0.5 / PI * 8.0 / 4.0;
         assert!((pixel.mean[0] / expected - 1.0).abs() < 1e-5, "{what}");
         assert!(pixel.m2[0].sqrt() < 1e-4 * expected, "{what}");
-        let limited = !direkt::gpu::doctor::loops::loop_budget(context)
+        let limited = !direkt::low_level::gpu::doctor::loops::loop_budget(context)
             .unwrap()
             .is_unlimited();
         assert_eq!(session.dispatches > 1, limited, "{what}");
@@ -381,7 +381,7 @@ fn only_what_makes_a_difference_is_called_for() {
         ("both", &both, 4, Grid, All, &[1, 2, 4]),
     ] {
         let mut scene = with_rays(scene.clone(), rays, pattern);
-        scene.render.light_selection = selection;
+        scene.render.estimator.light_selection = selection;
         let prepared = prepared(scene);
         let expected: Vec<Effect> = expected.iter().map(|&i: &usize| effects[i]).collect();
         let found = effects

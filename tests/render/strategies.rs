@@ -8,9 +8,9 @@ use crate::support::{
     KINDS_OF_STRATEGIES, STRATEGIES, context, emitter, floor_pixel, lambert, own_scenes, prepared,
     prepared_for, render, scene, scenes_of_lights,
 };
-use direkt::prepare::Prepared;
-use direkt::reference::BrokenTwin;
-use direkt::render::Film;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::render::Film;
 use direkt::scene::Projection;
 use direkt::scene::{
     Bsdf, FilmSize, Geometry, LightSampling, LightSelection, Sampler, Scene, ShadowPattern,
@@ -142,8 +142,8 @@ fn shadow_rays_do_not_change_the_mean() {
         let film = recorded_film(context, &one, (FILM, 85, SAMPLES), Part::Reflected);
         for pattern in [ShadowPattern::Random, ShadowPattern::Stratified] {
             let mut scene = scene.clone();
-            scene.render.shadow_rays = 4;
-            scene.render.shadow_pattern = pattern;
+            scene.render.estimator.shadow_rays = 4;
+            scene.render.estimator.shadow_pattern = pattern;
             let four = prepared_for(scene, Strategy::MisPower, LightSelection::Power);
             let of_four = recorded_film(context, &four, (FILM, 86, SAMPLES), Part::Reflected);
             let what = format!("{name}, 1 and 4 {pattern} rays, {}", context.adapter.name);
@@ -181,12 +181,12 @@ fn lights_of_very_different_power_have_the_same_mean_under_every_selection() {
                 scene.shapes.push(emitter(square, radiance, false));
             }
             scene.film = TWIN_FILM;
-            scene.render.strategy = strategy;
-            scene.render.light_selection = selection;
-            scene.render.spp = 1024;
+            scene.render.estimator.strategy = strategy;
+            scene.render.estimator.light_selection = selection;
+            scene.render.stop.spp = 1024;
             scene.render.seed = 20 + selection as u32;
-            scene.render.sampler = Sampler::Independent;
-            scene.render.light_sampling = LightSampling::Area;
+            scene.render.estimator.sampler = Sampler::Independent;
+            scene.render.estimator.light_sampling = LightSampling::Area;
             scene
         });
         let films = scenes.clone().map(|scene| render(context, scene));
@@ -235,8 +235,8 @@ fn lights_of_very_different_power_have_the_same_mean_under_every_selection() {
 fn cornells_image_mean_is_the_reference_mean() {
     let exact = [0.16392, 0.11420, 0.05207];
     let mut cornell = scene("scenes/cornell.toml");
-    cornell.render.spp = 32;
-    cornell.render.strategy = Strategy::LightArea;
+    cornell.render.stop.spp = 32;
+    cornell.render.estimator.strategy = Strategy::LightArea;
     let context = context();
     let film = render(context, cornell.clone());
     let what = format!("cornell.toml, Mitsuba's mean, {}", context.adapter.name);
@@ -277,8 +277,8 @@ fn a_furnace_is_as_bright_everywhere() {
             scene.shapes.push(emitter(sphere, 1.0, true));
             scene.camera.projection = Projection::Perspective { fov_y: 1.5 };
             scene.film = TWIN_FILM;
-            scene.render.strategy = strategy;
-            scene.render.spp = 256;
+            scene.render.estimator.strategy = strategy;
+            scene.render.stop.spp = 256;
             let film = render(context, scene.clone());
             let what = format!(
                 "furnace {reflectance}, {strategy}, {}",

@@ -1,7 +1,7 @@
 //! Normal maps under the tangents that vertices have.
 
 use crate::support::{assert_pixel, context, floor_pixel, lambert, prepared, render, shape};
-use direkt::effects::Effect;
+use direkt::low_level::effects::Effect;
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{
     Camera, DirectionalLight, Geometry, Light, Mesh, NormalMap, Scene, Texels, Texture, TextureId,
@@ -53,7 +53,7 @@ fn floor(tangent: DVec3, sense: f64, towards: DVec3) -> Scene {
         direction: -towards,
         irradiance: DVec3::splat(2.0 * PI),
     })];
-    scene.render.spp = 4;
+    scene.render.stop.spp = 4;
     scene
 }
 

@@ -1,7 +1,7 @@
 //! The scenes of `scenes/tests/`: each states its exact value, and every strategy finds it.
 
 use crate::support::{STRATEGIES, context, project, render, scene_as_it_is};
-use direkt::render::{Check, Film, Pixel};
+use direkt::low_level::render::{Check, Film, Pixel};
 use direkt::scene::{Bsdf, Expect, ExpectedRadiance, Scene};
 
 /// Every scene of `scenes/tests/`, by name.
@@ -104,11 +104,11 @@ fn every_strategy_finds_the_exact_values_and_no_others() {
     let mut wrong = Vec::new();
     let (mut renders, mut sharp, mut rejected) = (0, 0, 0);
     for (name, mut scene) in test_scenes() {
-        let (own, spp) = (scene.render.strategy, scene.render.spp);
+        let (own, spp) = (scene.render.estimator.strategy, scene.render.stop.spp);
         let dimmer = dimmer(expected(&scene));
         for strategy in STRATEGIES {
-            scene.render.strategy = strategy;
-            scene.render.spp = if strategy == own {
+            scene.render.estimator.strategy = strategy;
+            scene.render.stop.spp = if strategy == own {
                 spp.max((1 << 20) / scene.film.pixels() as u64)
             } else {
                 spp
@@ -144,7 +144,7 @@ fn every_strategy_finds_the_exact_values_and_no_others() {
 fn images_are_as_bright_as_their_lights() {
     let context = context();
     for (name, mut scene) in test_scenes() {
-        scene.render.spp = 16;
+        scene.render.stop.spp = 16;
         let mut brighter = scene.clone();
         brighten(&mut brighter, 1.02);
         let [mean, brighter] = [scene, brighter].map(|scene| render(context, scene).mean());

@@ -5,9 +5,9 @@
 //! samples. Pixels of different strategies are therefore compared through their twins.
 
 use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes, prepared_for, scene, statistics};
-use direkt::gpu::recorder::Recorder;
-use direkt::reference::Twin;
-use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
+use direkt::low_level::gpu::recorder::Recorder;
+use direkt::low_level::reference::Twin;
+use direkt::low_level::reference::broken::{BROKEN_TWINS, BrokenTwin};
 use direkt::scene::{FilmSize, LightSelection};
 use direkt_instruments::compare::per_pixel::{Accumulator, PerPixel};
 use direkt_instruments::compare::whole_image::WholeImage;
@@ -39,7 +39,7 @@ fn pixels_and_means_are_the_twins() {
     let mut smallest = BTreeMap::new();
     let mut scenes = own_scenes();
     let mut sky = scene("scenes/tests/sky.toml");
-    sky.render.shadow_rays = 4;
+    sky.render.estimator.shadow_rays = 4;
     scenes.push(("sky.toml with 4 shadow rays".to_owned(), sky));
     for (name, scene) in scenes {
         for strategy in KINDS_OF_STRATEGIES {

@@ -2,14 +2,14 @@
 
 use crate::support::twin::{Part, twin_film};
 use crate::support::{STRATEGIES, context, emitter, floor_pixel, render, statistics, unit_square};
-use direkt::prepare::Prepared;
-use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
-use direkt::render::Film;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::broken::{BROKEN_TWINS, BrokenTwin};
+use direkt::low_level::render::Film;
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::t_test::one_sample;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::Projection;
 use direkt::scene::{FilmSize, Geometry, Scene, Strategy};
-use direkt::stats::moments::Moments;
-use direkt::stats::t_test::one_sample;
-use direkt::stats::z_test::z_test;
 use glam::DVec3;
 
 const RADIANCE: f64 = 10.0;
@@ -28,7 +28,7 @@ fn square_over_floor() -> Scene {
         height: 64,
     };
     scene.shapes.push(emitter(unit_square(), RADIANCE, false));
-    scene.render.strategy = Strategy::LightArea;
+    scene.render.estimator.strategy = Strategy::LightArea;
     scene
 }
 
@@ -70,7 +70,7 @@ fn variance_is_the_exact_one_over_the_number_of_samples() {
     let context = context();
     let films = LEVELS.map(|spp| {
         let mut scene = square_over_floor();
-        scene.render.spp = spp;
+        scene.render.stop.spp = spp;
         scene.render.seed = spp as u32;
         render(context, scene)
     });
@@ -109,8 +109,8 @@ fn the_variance_of_every_strategy_falls_with_the_number_of_samples() {
             let mut scene = square_over_floor();
             scene.film.width = 192;
             scene.film.height = 192;
-            scene.render.strategy = strategy;
-            scene.render.spp = spp;
+            scene.render.estimator.strategy = strategy;
+            scene.render.stop.spp = spp;
             scene.render.seed = 50 + spp as u32;
             render(context, scene)
         };
@@ -171,12 +171,12 @@ fn projected_solid_angle_leaves_no_variance() {
             v: DVec3::new(0.0, 1.0, 0.0),
         };
         scene.shapes.push(emitter(wall, 1.0, true));
-        scene.render.spp = 256;
+        scene.render.stop.spp = 256;
         // So that what the pixel sees does not vary either.
         scene.camera.projection = Projection::Perspective { fov_y: 1e-9 };
         let relative = |strategy: Strategy| {
             let mut scene = scene.clone();
-            scene.render.strategy = strategy;
+            scene.render.estimator.strategy = strategy;
             let pixel = render(context, scene).pixels[0];
             (pixel.m2[0] / 255.0).sqrt() / pixel.mean[0]
         };

@@ -2,8 +2,8 @@
 
 use super::files::{Folder, load_gltf, triangle_gltf, with};
 use super::textures::{png, with_texture};
-use direkt::effects::Effect;
-use direkt::prepare::Prepared;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::prepare::Prepared;
 use direkt::scene::{Opacity, Scene};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, Rgba};
 use serde_json::{Value, json};

@@ -4,7 +4,7 @@ use super::files::{Folder, load_gltf, triangle_gltf, with};
 use super::meshes::{load_mesh, mesh};
 use crate::support::prepared_for;
 use base64::Engine;
-use direkt::effects::Effect;
+use direkt::low_level::effects::Effect;
 use direkt::scene::{LightSelection, Opacity, Scene, Strategy};
 use glam::Vec4;
 use serde_json::{Value, json};

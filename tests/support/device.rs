@@ -1,6 +1,6 @@
 //! The devices that tests share: as many as run at once, each with the kernels that it compiled.
 
-use direkt::gpu::Context;
+use direkt::low_level::gpu::Context;
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 

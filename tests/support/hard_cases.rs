@@ -6,7 +6,7 @@
 
 pub mod document;
 
-use direkt::gpu::Context;
+use direkt::low_level::gpu::Context;
 use serde::{Deserialize, Serialize};
 use std::sync::{Mutex, Once};
 

@@ -1,7 +1,7 @@
 //! Chi-squared tests of samplers: samples drawn on the GPU against a density in f64.
 
-use direkt::reference::exact::cubature::{Tolerance, integrate};
-use direkt::stats::chi2::{Totals, chi2_test};
+use direkt::low_level::reference::exact::cubature::{Tolerance, integrate};
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 

@@ -15,15 +15,15 @@ pub mod statistics;
 pub mod twin;
 
 pub use device::{context, in_a_process_that_compiles_fast};
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
-use direkt::render::{Film, Session, StopReason};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::render::{Film, Session, StopReason};
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
-    Bsdf, Camera, Emission, FilmSize, Geometry, Light, LightSelection, Material, MaterialId,
-    PointLight, RenderSettings, Sampler, Scene, Shape, Strategy,
+    Bsdf, Camera, Emission, EstimatorSettings, FilmSize, Geometry, Light, LightSelection, Material,
+    MaterialId, PointLight, RenderSettings, Sampler, Scene, Shape, StopSettings, Strategy,
 };
-use direkt::stats::z_test::z_test;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 
@@ -69,7 +69,7 @@ pub fn scene_as_it_is(path: &str) -> Scene {
 /// say so.
 pub fn scene(path: &str) -> Scene {
     let mut scene = scene_as_it_is(path);
-    scene.render.sampler = Sampler::Independent;
+    scene.render.estimator.sampler = Sampler::Independent;
     scene
 }
 
@@ -127,8 +127,8 @@ pub fn prepared(scene: Scene) -> Prepared {
 
 /// `scene` made ready for `strategy` with lights chosen by `selection`.
 pub fn prepared_for(mut scene: Scene, strategy: Strategy, selection: LightSelection) -> Prepared {
-    scene.render.strategy = strategy;
-    scene.render.light_selection = selection;
+    scene.render.estimator.strategy = strategy;
+    scene.render.estimator.light_selection = selection;
     Prepared::of(scene)
 }
 
@@ -141,7 +141,7 @@ pub fn render(context: &Context, scene: Scene) -> Film {
 pub fn render_prepared(context: &Context, prepared: &Prepared) -> Film {
     let (film, settings) = (prepared.film, prepared.settings);
     let mut session = Session::new(context, prepared, film, settings.seed).unwrap();
-    take(&mut session, settings.spp);
+    take(&mut session, settings.stop.spp);
     session.snapshot().unwrap().0
 }
 
@@ -210,8 +210,14 @@ pub fn floor_pixel() -> Scene {
         materials: vec![lambert(0.5)],
         shapes: vec![shape("floor", floor)],
         render: RenderSettings {
-            spp: 16,
-            sampler: Sampler::Independent,
+            estimator: EstimatorSettings {
+                sampler: Sampler::Independent,
+                ..EstimatorSettings::default()
+            },
+            stop: StopSettings {
+                spp: 16,
+                ..StopSettings::default()
+            },
             ..RenderSettings::default()
         },
         ..Scene::default()

@@ -1,6 +1,6 @@
 //! Random inputs for functions under test: all of them are numbers of f32.
 
-use direkt::reference::core::rng::{pcg4d, to_unit};
+use direkt::low_level::reference::core::rng::{pcg4d, to_unit};
 use glam::DVec3;
 use std::f64::consts::TAU;
 

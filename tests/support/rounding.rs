@@ -42,7 +42,7 @@ pub fn assert_integrates_to_one(
     bound: f64,
     what: impl std::fmt::Display,
 ) {
-    use direkt::reference::exact::cubature::{Tolerance, integrate};
+    use direkt::low_level::reference::exact::cubature::{Tolerance, integrate};
     let square = [0.0, 1.0];
     let area = integrate(
         |x, y| DVec3::splat(element(x, y)),

@@ -4,11 +4,11 @@
 //! been written. The function may use a scene's bindings.
 
 use super::floor_pixel;
-use direkt::gpu::kernel::{Entry, READ_WRITE};
-use direkt::gpu::layout::Dispatch;
-use direkt::gpu::program::{POISON, SceneProgram};
-use direkt::gpu::{Context, GpuBuffer};
-use direkt::prepare::Prepared;
+use direkt::low_level::gpu::kernel::{KernelDescriptor, READ_WRITE};
+use direkt::low_level::gpu::layout::Dispatch;
+use direkt::low_level::gpu::program::{POISON, SceneProgram};
+use direkt::low_level::gpu::{Context, GpuBuffer};
+use direkt::low_level::prepare::Prepared;
 
 /// Invocations of one dispatch at most.
 const MAX_ITEMS: usize = 65_535 * 64;
@@ -109,15 +109,15 @@ pub fn call_in(
     assert!(count > 0 && count <= MAX_ITEMS, "{count} items");
     assert_eq!(items.len(), count * function.inputs, "input words");
     let source = source(function, count);
-    let entry = Entry {
+    let descriptor = KernelDescriptor {
         name: "test_function",
         module: "test_function",
         source: Some(&source),
         features: function.features,
-        own: &[READ, READ_WRITE],
+        extra_bindings: &[READ, READ_WRITE],
     };
     let (film, seed) = (prepared.film, prepared.settings.seed);
-    let program = SceneProgram::new(context, prepared, film, seed, &entry)
+    let program = SceneProgram::new(context, prepared, film, seed, &descriptor)
         .unwrap_or_else(|e| panic!("{adapter}: {e}\n{source}"));
     let device = &context.device;
     let inputs = GpuBuffer::storage(device, "test.inputs", items);
@@ -127,15 +127,15 @@ pub fn call_in(
     let length = count * function.outputs;
     let outputs = GpuBuffer::<u32>::zeroed(device, "test.outputs", length, storage);
     let staging = GpuBuffer::<u32>::zeroed(device, "test.staging", length, read);
-    let own = program
+    let extra = program
         .kernel()
-        .bind_own(device, vec![inputs.binding(), outputs.binding()]);
+        .bind_extra(device, vec![inputs.binding(), outputs.binding()]);
     let groups = count.div_ceil(64) as u32;
     let words = program
         .run(
             &Dispatch::default(),
             groups,
-            &own,
+            &extra,
             (&outputs, &staging),
             <[u32]>::to_vec,
         )

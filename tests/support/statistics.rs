@@ -3,10 +3,10 @@
 //! Every test that rests on chance hands its p-value to [`accept`], and every power test, which a broken twin has to fail,
 //! to [`reject`]. When the suite ends, it prints how many there were and the smallest p-value.
 
-use direkt::reference::BrokenTwin;
-use direkt::reference::broken::BROKEN_TWINS;
-use direkt::stats::sidak::Family;
-use direkt::stats::z_test::z_test;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::broken::BROKEN_TWINS;
+use direkt::low_level::stats::sidak::Family;
+use direkt::low_level::stats::z_test::z_test;
 use std::sync::{Mutex, Once};
 
 /// Tests that the family is declared to have; the level of each follows from it (Šidák).

@@ -1,16 +1,16 @@
 //! Films of the reference, honest or broken, and the tests of image means that they and renders share.
 
 use super::statistics;
-use direkt::gpu::Context;
-use direkt::gpu::layout::SampleRecord;
-use direkt::gpu::recorder::Recorder;
-use direkt::prepare::Prepared;
-use direkt::reference::broken::{BROKEN_TWINS, BrokenTwin};
-use direkt::reference::{Sample, Twin};
-use direkt::render::Film;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::gpu::layout::SampleRecord;
+use direkt::low_level::gpu::recorder::Recorder;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::broken::{BROKEN_TWINS, BrokenTwin};
+use direkt::low_level::reference::{Sample, Twin};
+use direkt::low_level::render::Film;
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::{FilmSize, Sampler};
-use direkt::stats::moments::Moments;
-use direkt::stats::z_test::z_test;
 use glam::DVec3;
 
 /// How far rounding in f32 may move a mean, relative to it (HARD CASES, pass criterion; positions and offsets of rays

@@ -2,7 +2,7 @@
 
 use super::cost::or;
 use clap::ValueEnum;
-use direkt::console::print;
+use direkt::low_level::console::print;
 use direkt::scene::{Sampler, Scene, Strategy};
 use direkt_instruments::cost::calibrate::{Calibration, Estimate, Settings};
 use direkt_instruments::cost::estimator::{Choices, combinations};
@@ -32,12 +32,12 @@ impl CalibrateArguments {
     ) -> Settings {
         Settings {
             estimators: combinations(&Choices {
-                strategies: or(strategies, &[scene.render.strategy]),
+                strategies: or(strategies, &[scene.render.estimator.strategy]),
                 samplers: or(samplers, Sampler::value_variants()),
                 ..Choices::of(&scene.render)
             }),
             images: self.images,
-            samples: self.spp.unwrap_or(scene.render.spp),
+            samples: self.spp.unwrap_or(scene.render.stop.spp),
             seed: scene.render.seed,
         }
     }

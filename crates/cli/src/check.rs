@@ -1,9 +1,9 @@
 //! `direkt render --check`: what the scene's `[expect]` table says against what was rendered.
 
-use direkt::console::print;
 use direkt::error::Error;
-use direkt::render::Film;
-use direkt::render::check::{Check, Failure, require_samples};
+use direkt::low_level::console::print;
+use direkt::low_level::render::Film;
+use direkt::low_level::render::check::{Check, Failure, require_samples};
 use direkt::scene::Scene;
 use std::fmt::Write;
 
@@ -30,7 +30,7 @@ impl CheckArgument {
                 scene.source.display()
             )));
         }
-        require_samples(scene.render.spp)
+        require_samples(scene.render.stop.spp)
     }
 
     /// The comparison, when it was asked for.

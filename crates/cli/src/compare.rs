@@ -3,13 +3,13 @@
 use super::plan::{Failures, Plan};
 use super::settings::{EstimatorArguments, SceneArguments, warn};
 use super::{AdapterArgument, JsonArgument, progress};
-use direkt::console::print;
 use direkt::error::Error;
-use direkt::gpu::{AdapterFacts, Context};
-use direkt::image::signed;
-use direkt::prepare::Prepared;
-use direkt::reference::BrokenTwin;
-use direkt::scene::{FilmSize, LightSelection, Sampler, ShadowPattern, Strategy};
+use direkt::low_level::console::print;
+use direkt::low_level::gpu::{AdapterFacts, Context};
+use direkt::low_level::image::signed;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::scene::{EstimatorSettings, FilmSize, Sampler};
 use direkt_instruments::compare::{
     CompareError, Comparison, Settings, compare, default_film, minimum_samples, per_sample,
 };
@@ -59,11 +59,8 @@ struct Report {
     height: u32,
     spp: u64,
     seed: u32,
-    strategy: Strategy,
-    light_selection: LightSelection,
-    shadow_rays: u32,
-    shadow_pattern: ShadowPattern,
-    sampler: Sampler,
+    #[serde(flatten)]
+    estimator: EstimatorSettings,
     biased: Option<String>,
     broken: Option<&'static str>,
     agrees: bool,
@@ -90,7 +87,6 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         CompareError::Gpu(e) => Error::Gpu(e),
     })?;
     bar.finish_and_clear();
-    let render = prepared.settings;
     let report = Report {
         direkt: env!("CARGO_PKG_VERSION"),
         scene: path.to_string(),
@@ -99,11 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
         height: settings.film.height,
         spp: settings.samples,
         seed: settings.seed,
-        strategy: render.strategy,
-        light_selection: render.light_selection,
-        shadow_rays: render.shadow_rays,
-        shadow_pattern: render.shadow_pattern,
-        sampler: render.sampler,
+        estimator: prepared.settings.estimator,
         biased: prepared.bias(),
         broken: settings.broken.map(|b| b.row().name),
         agrees: comparison.agrees(),
@@ -147,7 +139,7 @@ fn prepare(
     device: Option<&Context>,
 ) -> Result<(Prepared, Settings), Error> {
     let mut scene = arguments.scene.load(plan, device)?;
-    scene.render.sampler = Sampler::Independent;
+    scene.render.estimator.sampler = Sampler::Independent;
     arguments.estimator.apply(&mut scene)?;
     warn(&scene);
     let size = arguments.estimator.image.size;
@@ -228,11 +220,11 @@ fn text(report: &Report) -> String {
     let mut out = format!(
         "{}, {}, {} light selection, {} {} shadow {}, {} × {} pixels, {} samples each, seed {}, on {} ({})\n",
         report.scene,
-        report.strategy,
-        report.light_selection,
-        report.shadow_rays,
-        report.shadow_pattern,
-        if report.shadow_rays == 1 {
+        report.estimator.strategy,
+        report.estimator.light_selection,
+        report.estimator.shadow_rays,
+        report.estimator.shadow_pattern,
+        if report.estimator.shadow_rays == 1 {
             "ray"
         } else {
             "rays"

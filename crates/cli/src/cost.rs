@@ -11,9 +11,9 @@ use super::progress::Bar;
 use super::settings::{ImageArguments, SceneListArguments};
 use super::{AdapterArgument, JsonArgument};
 use clap::ValueEnum;
-use direkt::console::{print, say};
 use direkt::error::{Error, number};
-use direkt::gpu::Context;
+use direkt::low_level::console::{print, say};
+use direkt::low_level::gpu::Context;
 use direkt::scene::{LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
 use direkt_instruments::cost::calibrate::{self, Calibration};
 use direkt_instruments::cost::estimator::{self, Choices};
@@ -315,11 +315,12 @@ impl Arguments {
     fn settings(&self, scene: &Scene) -> Settings {
         let render = &scene.render;
         let choices = Choices {
+            base: render.estimator,
             strategies: or(&self.strategies, Strategy::value_variants()),
-            light_samplings: or(&self.light_samplings, &[render.light_sampling]),
-            light_selections: or(&self.light_selections, &[render.light_selection]),
-            shadow_rays: or(&self.shadow_rays, &[render.shadow_rays]),
-            shadow_patterns: or(&self.shadow_patterns, &[render.shadow_pattern]),
+            light_samplings: or(&self.light_samplings, &[render.estimator.light_sampling]),
+            light_selections: or(&self.light_selections, &[render.estimator.light_selection]),
+            shadow_rays: or(&self.shadow_rays, &[render.estimator.shadow_rays]),
+            shadow_patterns: or(&self.shadow_patterns, &[render.estimator.shadow_pattern]),
             samplers: or(&self.samplers, &[Sampler::Independent, Sampler::Sobol]),
             effects: [&[Compiled::CalledFor], self.effects.as_slice()].concat(),
         };
@@ -357,7 +358,7 @@ pub fn or<T: Clone>(list: &[T], default: &[T]) -> Vec<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use direkt::effects::Effect;
+    use direkt::low_level::effects::Effect;
 
     #[test]
     fn everything_is_no_effect() {

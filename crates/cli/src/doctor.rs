@@ -2,9 +2,9 @@
 
 use super::plan::{Failures, Plan};
 use super::{AdapterArgument, JsonArgument};
-use direkt::console::print;
 use direkt::error::{Error, GpuError};
-use direkt::gpu::doctor::{Diagnosis, DriverFacts, examine};
+use direkt::low_level::console::print;
+use direkt::low_level::gpu::doctor::{Diagnosis, DriverFacts, examine};
 use std::fmt::Write;
 use std::process::ExitCode;
 

@@ -9,14 +9,14 @@ use super::plan::{Failures, Plan, usable};
 use super::progress::Bar;
 use super::settings::{AovArguments, AssetArguments, EstimatorArguments};
 use super::{AdapterArgument, JsonArgument};
-use direkt::console::{print, say};
-use direkt::effects::Effect;
 use direkt::error::Error;
-use direkt::gpu::kernel::DIRECT;
-use direkt::gpu::shader::Config;
-use direkt::gpu::{AdapterFacts, SceneKernel};
-use direkt::image::extension;
-use direkt::prepare::Prepared;
+use direkt::low_level::console::{print, say};
+use direkt::low_level::effects::Effect;
+use direkt::low_level::gpu::kernel::DIRECT;
+use direkt::low_level::gpu::shader::KernelConstants;
+use direkt::low_level::gpu::{AdapterFacts, SceneKernel};
+use direkt::low_level::image::extension;
+use direkt::low_level::prepare::Prepared;
 use direkt::scene::load::schema;
 use direkt_instruments::drawing::{raster, svg::Svg};
 use direkt_instruments::explain::aov::{self, AovCost};
@@ -121,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.aov.apply(&mut scene);
     arguments.estimator.apply(&mut scene)?;
     let mut prepared = Prepared::of(scene);
-    let wgsl = SceneKernel::link(&DIRECT, &prepared.effects, Config::of(&prepared))?;
+    let wgsl = SceneKernel::link(&DIRECT, &prepared.effects, KernelConstants::of(&prepared))?;
     if arguments.wgsl {
         print(&wgsl);
         return Ok(ExitCode::SUCCESS);
@@ -260,7 +260,7 @@ fn report(path: &Path, prepared: &Prepared, wgsl: &str) -> Result<Report, Error>
 
 fn environment_sampling(prepared: &Prepared) -> Option<EnvironmentSampling> {
     let grid = prepared.emitters.environment.as_ref()?;
-    let sampled = prepared.settings.strategy.samples_lights();
+    let sampled = prepared.settings.estimator.strategy.samples_lights();
     sampled.then_some(EnvironmentSampling {
         columns: grid.size[0],
         rows: grid.size[1],
@@ -271,14 +271,14 @@ fn environment_sampling(prepared: &Prepared) -> Option<EnvironmentSampling> {
 /// Why `mis_compensation`, which is asked for, changes nothing.
 fn mis_compensation_unused(prepared: &Prepared) -> Option<String> {
     let settings = prepared.settings;
-    if !settings.mis_compensation {
+    if !settings.estimator.mis_compensation {
         return None;
     }
     match &prepared.emitters.environment {
         None => Some("the scene has no environment map that emits".to_owned()),
-        Some(_) if !settings.strategy.is_mis() => Some(format!(
+        Some(_) if !settings.estimator.strategy.is_mis() => Some(format!(
             "strategy {} does not combine light and BSDF sampling",
-            settings.strategy
+            settings.estimator.strategy
         )),
         Some(grid) => (!grid.compensated).then(|| "the environment map is constant".to_owned()),
     }

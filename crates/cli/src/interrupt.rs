@@ -3,7 +3,7 @@
 //! Until a command has something to save, the first one ends the process. From then on it asks the command to end soon, and a second
 //! Ctrl-C ends the process at once. A signal that is ignored when the process starts, as `nohup` has it, stays ignored.
 
-use direkt::console::say;
+use direkt::low_level::console::say;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};

@@ -2,9 +2,9 @@
 
 use super::plan::{Failures, Plan, usable};
 use super::{AdapterArgument, JsonArgument};
-use direkt::console::print;
 use direkt::error::Error;
-use direkt::gpu::{AdapterFacts, Context};
+use direkt::low_level::console::print;
+use direkt::low_level::gpu::{AdapterFacts, Context};
 use direkt_instruments::lab::report::Report;
 use direkt_instruments::lab::{Experiment, Settings, run as run_experiment};
 use serde::Serialize;

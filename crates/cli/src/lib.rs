@@ -18,10 +18,10 @@ mod render;
 mod settings;
 
 use clap::{Parser, Subcommand};
-use direkt::console::{self, say};
 use direkt::error::{Error, GpuError};
-use direkt::gpu::{Context, shader};
-use direkt::output::{self, Destination};
+use direkt::low_level::console::{self, say};
+use direkt::low_level::gpu::{Context, shader};
+use direkt::low_level::output::{self, Destination};
 use plan::Plan;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

@@ -2,9 +2,9 @@
 
 use super::plan::Plan;
 use direkt::error::{Error, number};
-use direkt::image::exr::Channel;
-use direkt::image::{ToneMapper, exr, extension, png};
-use direkt::render::Film;
+use direkt::low_level::image::exr::Channel;
+use direkt::low_level::image::{ToneMapper, exr, extension, png};
+use direkt::low_level::render::Film;
 use std::path::{Path, PathBuf};
 
 /// Output files and how they are shown.

@@ -3,8 +3,8 @@
 use super::interrupt::Interrupt;
 use super::progress::Progress;
 use direkt::error::Error;
-use direkt::render::passes::duration;
-use direkt::render::{Session, StoppedBy};
+use direkt::low_level::render::passes::duration;
+use direkt::low_level::render::{Session, StoppedBy};
 use direkt::scene::Scene;
 
 /// How the passes went.
@@ -19,7 +19,7 @@ pub struct Progressed {
 
 /// The passes of one render, on one device or on several that follow each other.
 pub struct Passes {
-    passes: direkt::render::Passes,
+    passes: direkt::low_level::render::Passes,
     interrupt: Interrupt,
     progress: Progress,
     pixels: usize,
@@ -31,9 +31,9 @@ impl Passes {
         interrupt.defer();
         let settings = scene.render;
         Self {
-            passes: direkt::render::Passes::new(&settings),
+            passes: direkt::low_level::render::Passes::new(&settings),
             interrupt,
-            progress: Progress::new(settings.spp, settings.time.map(duration), quiet),
+            progress: Progress::new(settings.stop.spp, settings.stop.time.map(duration), quiet),
             pixels: scene.film.pixels(),
         }
     }

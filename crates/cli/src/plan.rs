@@ -1,9 +1,9 @@
 //! What a command is going to write: refused before it computes anything where that could not be done, or would destroy something.
 
-use direkt::console::say;
 use direkt::error::Error;
-use direkt::image::extension;
-use direkt::output::{self, Destination, Identity};
+use direkt::low_level::console::say;
+use direkt::low_level::image::extension;
+use direkt::low_level::output::{self, Destination, Identity};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

@@ -1,7 +1,7 @@
 //! Progress bars, on stderr.
 
 use direkt::error::GpuError;
-use direkt::render::{ImageError, Session};
+use direkt::low_level::render::{RelMse, Session};
 use direkt_instruments::report::format::seconds as in_unit;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
@@ -52,7 +52,7 @@ pub struct Progress {
     spp: u64,
     time: Option<Duration>,
     next_look: Instant,
-    error: Option<ImageError>,
+    error: Option<RelMse>,
     rays_per_sample: f64,
 }
 

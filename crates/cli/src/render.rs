@@ -10,12 +10,12 @@ use super::passes::{Passes, Progressed};
 use super::plan::{Failures, Plan};
 use super::settings::{AovArguments, EstimatorArguments, SceneArguments, warn};
 use super::{AdapterArgument, JsonArgument};
-use direkt::console::say;
 use direkt::error::{Error, GpuError, number};
-use direkt::gpu::{AdapterFacts, Context};
-use direkt::image::layers;
-use direkt::prepare::Prepared;
-use direkt::render::{
+use direkt::low_level::console::say;
+use direkt::low_level::gpu::{AdapterFacts, Context};
+use direkt::low_level::image::layers;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::render::{
     AovImages, Failure, Film, Pixel, RayCounts, Session, StoppedBy, render_aovs,
     render_keeping_image,
 };
@@ -94,12 +94,12 @@ impl SettingsArguments {
         }
         let render = &mut scene.render;
         if self.time.is_some() || self.error.is_some() {
-            render.spp = u64::MAX;
+            render.stop.spp = u64::MAX;
         }
-        render.time = self.time.or(render.time);
-        render.error = self.error.or(render.error);
-        render.confidence = self.confidence.unwrap_or(render.confidence);
-        render.spp = self.spp.unwrap_or(render.spp);
+        render.stop.time = self.time.or(render.stop.time);
+        render.stop.error = self.error.or(render.stop.error);
+        render.stop.confidence = self.confidence.unwrap_or(render.stop.confidence);
+        render.stop.spp = self.spp.unwrap_or(render.stop.spp);
         self.aov.apply(scene);
         self.estimator.apply(scene)
     }

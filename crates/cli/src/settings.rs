@@ -1,16 +1,13 @@
 //! Arguments that several commands share: the scene, and which estimator is run on it.
 
 use super::plan::Plan;
-use direkt::console::say;
 use direkt::error::Error;
-use direkt::gpu::Context;
-use direkt::render::memory;
+use direkt::low_level::console::say;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::render::memory;
 use direkt::scene::load::{LoadOptions, load_with_files};
-use direkt::scene::settings::MAX_SPECULAR_DEPTH;
 use direkt::scene::shadow_rays::MAX_SHADOW_RAYS;
-use direkt::scene::{
-    Aov, FilmSize, LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy, validate,
-};
+use direkt::scene::{Aov, EstimatorFlags, FilmSize, Scene, validate};
 use std::path::PathBuf;
 
 /// Where the files that scenes name are looked up.
@@ -123,60 +120,20 @@ impl ImageArguments {
     }
 }
 
-/// Flags that override the scene's strategy, how lights and numbers are chosen, seed and size.
+/// Flags that override the scene's estimator, seed and size.
 #[derive(Debug, clap::Args)]
 pub struct EstimatorArguments {
     /// Seed and size.
     #[command(flatten)]
     pub image: ImageArguments,
-    /// How directions are chosen
-    #[arg(long, value_enum)]
-    strategy: Option<Strategy>,
-    /// How one of several lights is chosen
-    #[arg(long, value_enum)]
-    light_selection: Option<LightSelection>,
-    /// How a point of a chosen light is chosen by the MIS strategies
-    #[arg(long, value_enum)]
-    light_sampling: Option<LightSampling>,
-    /// Whether the MIS strategies sample of an environment map only what is brighter than its mean
-    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
-    mis_compensation: Option<bool>,
-    /// Shadow rays per camera ray, 1 to 1024; with light selection `all` per light
-    #[arg(long, value_name = "N", value_parser = shadow_rays())]
-    shadow_rays: Option<u32>,
-    /// Where on the lights the points of a camera ray's shadow rays lie
-    #[arg(long, value_enum)]
-    shadow_pattern: Option<ShadowPattern>,
-    /// Whether light counts that rough metals reflect after it has met several of their facets
-    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
-    energy_compensation: Option<bool>,
-    /// Mirrors and panes of glass, one behind the other, in which direct lighting is seen, 0 to 64
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_SPECULAR_DEPTH)))]
-    max_specular_depth: Option<u32>,
-    /// How random numbers are made
-    #[arg(long, value_enum)]
-    sampler: Option<Sampler>,
-    /// Whether pixels take more samples where the error is large and fewer where it is small
-    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
-    adaptive: Option<bool>,
+    #[command(flatten)]
+    estimator: EstimatorFlags,
 }
 
 impl EstimatorArguments {
     /// Changes `scene` and validates it.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
-        let render = &mut scene.render;
-        render.strategy = self.strategy.unwrap_or(render.strategy);
-        render.light_selection = self.light_selection.unwrap_or(render.light_selection);
-        render.light_sampling = self.light_sampling.unwrap_or(render.light_sampling);
-        render.mis_compensation = self.mis_compensation.unwrap_or(render.mis_compensation);
-        render.shadow_rays = self.shadow_rays.unwrap_or(render.shadow_rays);
-        render.shadow_pattern = self.shadow_pattern.unwrap_or(render.shadow_pattern);
-        render.energy_compensation = self
-            .energy_compensation
-            .unwrap_or(render.energy_compensation);
-        render.max_specular_depth = self.max_specular_depth.unwrap_or(render.max_specular_depth);
-        render.sampler = self.sampler.unwrap_or(render.sampler);
-        render.adaptive = self.adaptive.unwrap_or(render.adaptive);
+        self.estimator.apply(&mut scene.render.estimator);
         self.image.apply(scene)
     }
 }

@@ -2,15 +2,15 @@
 
 use super::curve::Runs;
 use super::files::saved_name;
-use super::job::{Job, Layer, MAX_VIEWS, Method, Turns, VIEW_NAMES};
 use super::lights::Lights;
-use super::mailbox::{Mailbox, News};
-use super::navigation::Rig;
+use super::mailbox::{Mailbox, RenderStatus};
+use super::navigation::CameraController;
 use super::picture::{Inspected, Picture};
+use super::request::{Layer, MAX_VIEWS, Method, Pacing, RenderRequest, VIEW_NAMES};
 use super::watch::Watch;
 use super::{Options, canvas, panels, renderer};
-use direkt::console::say;
-use direkt::image::png::Display;
+use direkt::low_level::console::say;
+use direkt::low_level::image::png::Display;
 use direkt::scene::normalize::bounds;
 use direkt::scene::{Camera, FilmSize, Scene};
 use eframe::egui;
@@ -49,21 +49,21 @@ pub struct App {
     /// The same with its lights switched.
     pub(super) scene: Arc<Scene>,
     pub(super) lights: Lights,
-    pub(super) rig: Rig,
+    pub(super) controller: CameraController,
     /// Whether the camera is where the file has it.
     pub(super) at_home: bool,
     pub(super) film: FilmSize,
     pub(super) methods: Vec<Method>,
     /// The view whose method the controls change.
     pub(super) edited: usize,
-    pub(super) turns: Turns,
+    pub(super) pacing: Pacing,
     pub(super) layer: Layer,
     pub(super) display: Display,
     pub(super) paused: bool,
     pub(super) inspected: Option<[f64; 2]>,
     /// Whether what is asked about becomes sharp.
     pub(super) focusing: bool,
-    pub(super) news: News,
+    pub(super) status: RenderStatus,
     /// Pictures of the densities where was clicked, and whose they are.
     pub(super) densities: Option<(Arc<Inspected>, Vec<[egui::TextureHandle; 2]>)>,
     pub(super) textures: [Option<egui::TextureHandle>; MAX_VIEWS],
@@ -76,8 +76,8 @@ pub struct App {
     pub(super) saving: String,
     pub(super) watch: Watch,
     moved: Option<Instant>,
-    posted: Option<Job>,
-    /// When jobs were posted that have no picture yet.
+    posted: Option<RenderRequest>,
+    /// When requests were posted that have no picture yet.
     waiting: Vec<Waiting>,
     /// Frames drawn, since when.
     frames: (u32, Instant),
@@ -105,20 +105,20 @@ impl App {
             mailbox,
             renderer: started.ok(),
             lights: Lights::of(&scene),
-            rig: Rig::of(&scene.camera, bounds(&scene.shapes)),
+            controller: CameraController::of(&scene.camera, bounds(&scene.shapes)),
             file: Arc::clone(&scene),
             scene,
             at_home: true,
             film,
             methods: vec![method],
             edited: 0,
-            turns: Turns::default(),
+            pacing: Pacing::default(),
             layer: Layer::default(),
             display: Display::default(),
             paused: false,
             inspected: None,
             focusing: false,
-            news: News::default(),
+            status: RenderStatus::default(),
             densities: None,
             textures: Default::default(),
             runs: Runs::default(),
@@ -142,7 +142,7 @@ impl App {
     /// The newest pictures, with the names of their views where there are two.
     pub(super) fn pictures(&self) -> impl Iterator<Item = (&'static str, &Picture)> {
         let compared = self.methods.len() > 1;
-        let pictures = self.news.pictures.iter().zip(VIEW_NAMES);
+        let pictures = self.status.pictures.iter().zip(VIEW_NAMES);
         pictures.filter_map(move |(picture, name)| {
             let name = if compared { name } else { "" };
             Some((name, &**picture.as_ref()?))
@@ -154,19 +154,19 @@ impl App {
         let moved = if self.at_home {
             None
         } else {
-            self.rig.camera()
+            self.controller.camera()
         };
         moved.unwrap_or(self.file.camera)
     }
 
     /// Moves the camera.
-    pub(super) fn navigate(&mut self, change: impl FnOnce(&mut Rig)) {
-        let before = self.rig;
-        change(&mut self.rig);
-        if self.rig.camera().is_none() {
-            self.rig = before;
+    pub(super) fn navigate(&mut self, change: impl FnOnce(&mut CameraController)) {
+        let before = self.controller;
+        change(&mut self.controller);
+        if self.controller.camera().is_none() {
+            self.controller = before;
         }
-        if self.rig != before {
+        if self.controller != before {
             self.at_home = false;
             self.inspected = None;
             self.moved = Some(Instant::now());
@@ -175,7 +175,7 @@ impl App {
 
     /// Moves the camera to where the file has it.
     pub(super) fn go_home(&mut self) {
-        self.rig = Rig::of(&self.file.camera, bounds(&self.file.shapes));
+        self.controller = CameraController::of(&self.file.camera, bounds(&self.file.shapes));
         self.at_home = true;
         self.inspected = None;
         self.moved = Some(Instant::now());
@@ -183,14 +183,14 @@ impl App {
 
     /// Looks at what was asked about, or at everything.
     pub(super) fn frame_selection(&mut self) {
-        let inspected = self.news.inspected.as_ref();
+        let inspected = self.status.inspected.as_ref();
         let surface = inspected.and_then(|i| i.surface.as_ref());
         let around = surface
             .map(|s| s.bounds)
             .or_else(|| bounds(&self.file.shapes));
         let aspect = self.film.aspect();
         if let Some(around) = around {
-            self.navigate(|rig| rig.frame(around, aspect));
+            self.navigate(|controller| controller.frame(around, aspect));
         }
     }
 
@@ -219,14 +219,14 @@ impl App {
     }
 
     /// Takes what the renderer has posted.
-    fn take_news(&mut self, context: &egui::Context) {
-        let news = self.mailbox.news();
-        for (index, picture) in news.pictures.iter().enumerate() {
+    fn take_status(&mut self, context: &egui::Context) {
+        let status = self.mailbox.status();
+        for (index, picture) in status.pictures.iter().enumerate() {
             let Some(picture) = picture else {
                 self.textures[index] = None;
                 continue;
             };
-            let known = self.news.pictures[index].as_ref();
+            let known = self.status.pictures[index].as_ref();
             if known.is_some_and(|known| Arc::ptr_eq(known, picture)) {
                 continue;
             }
@@ -246,20 +246,23 @@ impl App {
                 }
             }
         }
-        self.news = news;
+        self.status = status;
         self.focus();
     }
 
-    /// Tells how long the job `version` waited for its first picture.
+    /// Tells how long the request `version` waited for its first picture.
     fn answered(&mut self, version: u64) {
         let answered = |posted: &Waiting| posted.version <= version;
         let last = self.waiting.iter().rfind(|p| answered(p)).copied();
         self.waiting.retain(|p| !answered(p));
-        if let Some(job) = last.filter(|_| self.options.verbose) {
-            let milliseconds = job.posted.elapsed().as_secs_f64() * 1e3;
-            let (version, kind) = (job.version, if job.moving { "moving" } else { "at rest" });
+        if let Some(request) = last.filter(|_| self.options.verbose) {
+            let milliseconds = request.posted.elapsed().as_secs_f64() * 1e3;
+            let (version, kind) = (
+                request.version,
+                if request.moving { "moving" } else { "at rest" },
+            );
             say(format_args!(
-                "direkt: job {version}, {kind}: first picture after {milliseconds:.1} ms"
+                "direkt: request {version}, {kind}: first picture after {milliseconds:.1} ms"
             ));
         }
     }
@@ -279,14 +282,14 @@ impl App {
 
     /// Makes sharp what was asked about for that.
     fn focus(&mut self) {
-        let inspected = self.news.inspected.as_ref();
+        let inspected = self.status.inspected.as_ref();
         let answer = inspected.filter(|i| self.focusing && Some(i.at) == self.inspected);
         let Some(answer) = answer.cloned() else {
             return;
         };
         self.focusing = false;
         if let Some(surface) = &answer.surface {
-            self.navigate(|rig| rig.lens.focus_distance = surface.depth);
+            self.navigate(|controller| controller.lens.focus_distance = surface.depth);
             self.inspected = Some(answer.at);
         }
     }
@@ -300,33 +303,33 @@ impl App {
         } else {
             self.moved = None;
         }
-        let job = Job {
+        let request = RenderRequest {
             scene: Arc::clone(&self.scene),
             camera: self.camera(),
             film: self.film,
             methods: self.methods.clone(),
-            turns: self.turns,
+            pacing: self.pacing,
             layer: self.layer,
             display: self.display,
             moving,
             paused: self.paused,
             inspected: self.inspected,
         };
-        if self.posted.as_ref().is_some_and(|old| old.is(&job)) {
+        if self.posted.as_ref().is_some_and(|old| old.is(&request)) {
             return;
         }
-        let version = self.mailbox.post(job.clone());
+        let version = self.mailbox.post(request.clone());
         self.waiting.push(Waiting {
             version,
             posted: Instant::now(),
             moving,
         });
-        self.posted = Some(job);
+        self.posted = Some(request);
     }
 
     fn retitle(&mut self, context: &egui::Context) {
         let name = self.options.path.file_name().unwrap_or_default();
-        let samples = self.news.pictures[0].as_ref().map_or(0, |p| p.samples);
+        let samples = self.status.pictures[0].as_ref().map_or(0, |p| p.samples);
         let title = format!("{} — {samples} samples — direkt", name.to_string_lossy());
         if title != self.title {
             self.title.clone_from(&title);
@@ -338,7 +341,7 @@ impl App {
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let context = ui.ctx().clone();
-        self.take_news(&context);
+        self.take_status(&context);
         self.reload();
         self.take_dropped(&context);
         canvas::shortcuts(self, &context);
@@ -362,7 +365,7 @@ impl eframe::App for App {
     }
 }
 
-/// A job without a picture yet.
+/// A request without a picture yet.
 #[derive(Debug, Clone, Copy)]
 struct Waiting {
     version: u64,

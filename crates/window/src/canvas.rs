@@ -1,7 +1,7 @@
 //! The image on screen, and how one moves through it.
 
 use super::app::{App, Screen};
-use super::job::{Layer, VIEW_NAMES};
+use super::request::{Layer, VIEW_NAMES};
 use eframe::egui::{self, Color32, Key, Modifiers, PointerButton, Pos2, Rect, Sense, Ui, Vec2};
 
 /// Radians that the camera turns by when the pointer crosses the image.
@@ -33,7 +33,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         let part = (at - rect.min) / rect.size();
         app.inspected = Some([part.x.into(), part.y.into()]);
         let focusing = ui.input(|input| input.modifiers.alt);
-        app.focusing = focusing && app.rig.lens.radius > 0.0;
+        app.focusing = focusing && app.controller.lens.radius > 0.0;
     }
 }
 
@@ -85,9 +85,9 @@ fn paint(app: &App, ui: &Ui, rect: Rect) {
 fn caption(app: &App, painter: &egui::Painter, index: usize, at: Pos2, align: egui::Align2) {
     let mut text = format!(
         "{}: {}",
-        VIEW_NAMES[index], app.methods[index].settings.strategy
+        VIEW_NAMES[index], app.methods[index].settings.estimator.strategy
     );
-    if let Some(picture) = &app.news.pictures[index] {
+    if let Some(picture) = &app.status.pictures[index] {
         text += &format!("\n{} samples, {:.1} s", picture.samples, picture.seconds);
         if let Some(error) = picture.error {
             text += &format!("\nerror {:.2} %", 100.0 * error.rel_mse.sqrt());
@@ -119,7 +119,7 @@ fn drag_split(app: &mut App, ui: &mut Ui, rect: Rect) -> bool {
     response.dragged()
 }
 
-/// Turns, moves and approaches.
+/// Pacing, moves and approaches.
 fn drag(app: &mut App, ui: &Ui, response: &egui::Response, rect: Rect) {
     let shift = ui.input(|input| input.modifiers.shift);
     let by = response.drag_delta() / rect.height().max(1.0);
@@ -129,17 +129,17 @@ fn drag(app: &mut App, ui: &Ui, response: &egui::Response, rect: Rect) {
         if response.dragged_by(PointerButton::Middle)
             || (shift && response.dragged_by(PointerButton::Primary))
         {
-            app.navigate(|rig| rig.pan(-x, y));
+            app.navigate(|controller| controller.pan(-x, y));
         } else if response.dragged_by(PointerButton::Primary) {
-            app.navigate(|rig| rig.orbit(-right, up));
+            app.navigate(|controller| controller.orbit(-right, up));
         } else if response.dragged_by(PointerButton::Secondary) {
-            app.navigate(|rig| rig.look(right, -up));
+            app.navigate(|controller| controller.look(right, -up));
         }
     }
     if response.contains_pointer() {
         let scrolled = ui.input(|input| f64::from(input.smooth_scroll_delta().y));
         if scrolled.abs() > 0.0 {
-            app.navigate(|rig| rig.dolly((-SCROLL * scrolled).exp()));
+            app.navigate(|controller| controller.dolly((-SCROLL * scrolled).exp()));
         }
     }
 }
@@ -161,7 +161,7 @@ fn fly(app: &mut App, context: &egui::Context) {
         (along, f64::from(input.stable_dt.min(0.1)))
     });
     if along.iter().any(|x| x.abs() > 0.0) {
-        app.navigate(|rig| rig.fly(along.map(|x| FLIGHT * seconds * x)));
+        app.navigate(|controller| controller.fly(along.map(|x| FLIGHT * seconds * x)));
         context.request_repaint();
     }
 }

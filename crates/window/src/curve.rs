@@ -65,12 +65,15 @@ impl Run {
 /// What tells this run from others.
 fn label(picture: &Picture) -> String {
     let settings = picture.method.settings;
-    let mut label = format!("{}, {}", settings.strategy, settings.sampler);
-    if settings.shadow_rays > 1 {
-        label += &format!(", {} shadow rays", settings.shadow_rays);
+    let mut label = format!(
+        "{}, {}",
+        settings.estimator.strategy, settings.estimator.sampler
+    );
+    if settings.estimator.shadow_rays > 1 {
+        label += &format!(", {} shadow rays", settings.estimator.shadow_rays);
     }
-    if settings.light_selection != Default::default() {
-        label += &format!(", lights: {}", settings.light_selection);
+    if settings.estimator.light_selection != Default::default() {
+        label += &format!(", lights: {}", settings.estimator.light_selection);
     }
     if !picture.method.forced.is_empty() {
         label += &format!(", {} forced", picture.method.forced.len());

@@ -3,25 +3,27 @@
 //! Both come from the twin, in f64. Cells are equal in solid angle: azimuth to the right, the cosine to the shading normal
 //! upwards.
 
-use direkt::effects::Effect;
-use direkt::emitters::{Emitter, Selection};
-use direkt::reference::bsdf::bsdf::{Hemisphere, eval_bsdf, pdf_hemisphere};
-use direkt::reference::core::frame::{to_local, to_world};
-use direkt::reference::core::pdf::PdfDiscrete;
-use direkt::reference::core::ray::{Hit, Ray};
-use direkt::reference::core::rng::{pcg4d, to_unit, to_unit_2d};
-use direkt::reference::kernel::direct::{choose_direction, hemisphere};
-use direkt::reference::light::alias_table::Choice;
-use direkt::reference::light::area_light::pdf_area_light;
-use direkt::reference::light::environment::{environment_radiance, pdf_environment};
-use direkt::reference::light::light::{choose_light, emitted_radiance, sample_chosen_light};
-use direkt::reference::light::sample::LightSample;
-use direkt::reference::light::sphere::sample_sphere_area;
-use direkt::reference::light::sun::{is_in_sun, pdf_sun, suns};
-use direkt::reference::light::tree::choose_tree_light;
-use direkt::reference::scene::fetch::World;
-use direkt::reference::scene::surface::{Surface, surface_at};
-use direkt::reference::scene::trace::intersect_primitive;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::emitters::{Emitter, Selection};
+use direkt::low_level::reference::bsdf::bsdf::{Hemisphere, eval_bsdf, pdf_hemisphere};
+use direkt::low_level::reference::core::frame::{to_local, to_world};
+use direkt::low_level::reference::core::pdf::PdfDiscrete;
+use direkt::low_level::reference::core::ray::{Hit, Ray};
+use direkt::low_level::reference::core::rng::{pcg4d, to_unit, to_unit_2d};
+use direkt::low_level::reference::kernel::direct::{choose_direction, hemisphere};
+use direkt::low_level::reference::light::alias_table::Choice;
+use direkt::low_level::reference::light::area_light::pdf_area_light;
+use direkt::low_level::reference::light::environment::{environment_radiance, pdf_environment};
+use direkt::low_level::reference::light::light::{
+    choose_light, emitted_radiance, sample_chosen_light,
+};
+use direkt::low_level::reference::light::sample::LightSample;
+use direkt::low_level::reference::light::sphere::sample_sphere_area;
+use direkt::low_level::reference::light::sun::{is_in_sun, pdf_sun, suns};
+use direkt::low_level::reference::light::tree::choose_tree_light;
+use direkt::low_level::reference::scene::fetch::World;
+use direkt::low_level::reference::scene::surface::{Surface, surface_at};
+use direkt::low_level::reference::scene::trace::intersect_primitive;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -208,9 +210,9 @@ fn pdf_lights(world: &World<'_>, own: &[u32], s: &Surface, wi: DVec3) -> f64 {
 mod tests {
     use super::*;
     use crate::example;
-    use direkt::prepare::Prepared;
-    use direkt::reference::scene::opacity::Crossings;
-    use direkt::reference::scene::trace::closest_hit;
+    use direkt::low_level::prepare::Prepared;
+    use direkt::low_level::reference::scene::opacity::Crossings;
+    use direkt::low_level::reference::scene::trace::closest_hit;
     use direkt::scene::Strategy;
     use direkt::scene::load::{LoadOptions, load};
 
@@ -225,7 +227,7 @@ mod tests {
         ] {
             let options = LoadOptions::default();
             let mut scene = load(&example("cornell"), &options).expect("Cornell");
-            scene.render.strategy = strategy;
+            scene.render.estimator.strategy = strategy;
             let prepared = Prepared::of(scene);
             let world = World::new(&prepared);
             let ray = Ray {

@@ -1,12 +1,12 @@
 //! Files that the window opens, reads again and saves.
 
 use super::app::{App, Note, Screen};
-use super::job::Method;
 use super::lights::Lights;
+use super::request::Method;
 use super::save;
-use direkt::console::say;
 use direkt::error::Error;
-use direkt::output::{Destination, Identity};
+use direkt::low_level::console::say;
+use direkt::low_level::output::{Destination, Identity};
 use direkt::scene::load::load_with_files;
 use eframe::egui;
 use std::path::{Path, PathBuf};
@@ -79,7 +79,7 @@ impl App {
 
     /// Saves the image on screen, or the scene, by the extension of the name.
     pub(super) fn save(&mut self, path: &Path) {
-        let saved = match direkt::image::extension(path).as_str() {
+        let saved = match direkt::low_level::image::extension(path).as_str() {
             _ if !self.may_replace(path) => Err(Error::Usage(format!(
                 "{}: is a device, or a file that the scene reads; name another",
                 path.display()
@@ -113,7 +113,7 @@ impl App {
     }
 
     fn save_image(&self, path: &Path) -> Result<(), Error> {
-        let picture = self.news.pictures[self.shown_view()].as_ref();
+        let picture = self.status.pictures[self.shown_view()].as_ref();
         let picture = picture
             .filter(|p| p.full)
             .ok_or_else(|| Error::Usage(format!("{}: there is no image yet", path.display())))?;
@@ -124,12 +124,12 @@ impl App {
     fn changes(&self) -> save::Changes<'_> {
         let view = self.shown_view();
         let mut settings = self.methods[view].settings;
-        if let Some(picture) = &self.news.pictures[view] {
-            settings.spp = picture.samples.max(1);
+        if let Some(picture) = &self.status.pictures[view] {
+            settings.stop.spp = picture.samples.max(1);
         }
         save::Changes {
             lights: &self.lights,
-            rig: (!self.at_home).then_some(self.rig),
+            controller: (!self.at_home).then_some(self.controller),
             film: self.film,
             settings,
         }

@@ -1,7 +1,7 @@
 //! The window: a scene, the estimator that renders it, and its error while it falls.
 //!
-//! Two threads share a mailbox. The window's own draws controls and pictures, and posts a job whenever something
-//! changes: camera, size, method, lights. The renderer's works off the newest job, on a device of its own, and posts
+//! Two threads share a mailbox. The window's own draws controls and pictures, and posts a request whenever something
+//! changes: camera, size, method, lights. The renderer's works off the newest request, on a device of its own, and posts
 //! pictures. So the window answers while a kernel is compiled or a long dispatch runs, and losing one device
 //! does not lose the other. A pixel's state stays on the renderer's device; what is copied is a picture now and then, as often
 //! as takes a fiftieth of the time.
@@ -11,20 +11,20 @@ mod canvas;
 mod curve;
 mod density;
 mod files;
-mod job;
 mod lights;
 mod mailbox;
 mod navigation;
 mod panels;
 mod picture;
+mod render_thread;
 mod renderer;
+mod request;
 mod save;
-mod studio;
 mod view;
 mod watch;
 
 use direkt::error::Error;
-use direkt::gpu::context::matches;
+use direkt::low_level::gpu::context::matches;
 use direkt::scene::Scene;
 use direkt::scene::load::LoadOptions;
 use eframe::egui;

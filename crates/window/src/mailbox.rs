@@ -1,18 +1,18 @@
-//! What goes between the window and the renderer: the newest job one way, pictures and news the other.
+//! What goes between the window and the renderer: the newest request one way, pictures and status the other.
 
-use super::job::{Job, MAX_VIEWS};
 use super::picture::{Inspected, Picture};
-use direkt::gpu::AdapterFacts;
+use super::request::{MAX_VIEWS, RenderRequest};
+use direkt::low_level::gpu::AdapterFacts;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
-/// A job and its number; later ones have larger numbers.
+/// A request and its number; later ones have larger numbers.
 #[derive(Debug, Clone)]
 pub struct Posted {
     /// Its number.
     pub version: u64,
-    /// The job.
-    pub job: Arc<Job>,
+    /// The request.
+    pub request: Arc<RenderRequest>,
 }
 
 /// What the renderer is doing.
@@ -25,14 +25,14 @@ pub enum State {
     Rendering,
     /// Waiting, as it was told to.
     Paused,
-    /// Waiting for another job, because of this.
+    /// Waiting for another request, because of this.
     Failed(String),
 }
 
 /// What the window shows of the renderer's work.
 #[derive(Debug, Clone, Default)]
-pub struct News {
-    /// The newest picture of each view; those of a failed job stay.
+pub struct RenderStatus {
+    /// The newest picture of each view; those of a failed request stay.
     pub pictures: [Option<Arc<Picture>>; MAX_VIEWS],
     /// What is being done.
     pub state: State,
@@ -46,7 +46,7 @@ pub struct News {
 struct Inner {
     posted: Option<Posted>,
     quit: bool,
-    news: News,
+    status: RenderStatus,
 }
 
 /// The mailbox.
@@ -73,13 +73,13 @@ impl Mailbox {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Posts a job, which takes the place of those before it, and returns its number.
-    pub fn post(&self, job: Job) -> u64 {
+    /// Posts a request, which takes the place of those before it, and returns its number.
+    pub fn post(&self, request: RenderRequest) -> u64 {
         let mut inner = self.lock();
         let version = self.newest.load(Ordering::Relaxed) + 1;
         inner.posted = Some(Posted {
             version,
-            job: Arc::new(job),
+            request: Arc::new(request),
         });
         self.newest.store(version, Ordering::Release);
         self.arrived.notify_all();
@@ -94,16 +94,16 @@ impl Mailbox {
     }
 
     /// What there is to show.
-    pub fn news(&self) -> News {
-        self.lock().news.clone()
+    pub fn status(&self) -> RenderStatus {
+        self.lock().status.clone()
     }
 
-    /// Whether there is a newer job than `version`, or the end.
+    /// Whether there is a newer request than `version`, or the end.
     pub fn is_newer_than(&self, version: u64) -> bool {
         self.newest.load(Ordering::Acquire) > version
     }
 
-    /// The newest job, if it is newer than `version`; where `wait` says so, waits for one. An error is the end.
+    /// The newest request, if it is newer than `version`; where `wait` says so, waits for one. An error is the end.
     pub fn take(&self, version: u64, wait: bool) -> Result<Option<Posted>, Quit> {
         let mut inner = self.lock();
         loop {
@@ -122,8 +122,8 @@ impl Mailbox {
     }
 
     /// Changes what there is to show, and says so.
-    pub fn tell(&self, change: impl FnOnce(&mut News)) {
-        change(&mut self.lock().news);
+    pub fn tell(&self, change: impl FnOnce(&mut RenderStatus)) {
+        change(&mut self.lock().status);
         (self.wake)();
     }
 }
@@ -138,14 +138,14 @@ mod tests {
     use crate::example;
     use direkt::scene::load::{LoadOptions, load};
 
-    fn job() -> Job {
+    fn request() -> RenderRequest {
         let scene = load(&example("cornell"), &LoadOptions::default()).expect("Cornell");
-        Job {
+        RenderRequest {
             camera: scene.camera,
             film: scene.film,
             scene: Arc::new(scene),
             methods: Vec::new(),
-            turns: Default::default(),
+            pacing: Default::default(),
             layer: Default::default(),
             display: Default::default(),
             moving: false,
@@ -158,8 +158,8 @@ mod tests {
     fn the_newest_job_takes_the_place_of_the_others() {
         let mailbox = Mailbox::new(|| ());
         assert!(mailbox.take(0, false).expect("open").is_none());
-        mailbox.post(job());
-        let second = mailbox.post(job());
+        mailbox.post(request());
+        let second = mailbox.post(request());
         let taken = mailbox.take(0, true).expect("open").expect("posted");
         assert_eq!(taken.version, second);
         assert!(!mailbox.is_newer_than(second));

@@ -1,6 +1,6 @@
 //! Moving through a scene.
 //!
-//! A [`Rig`] holds a camera as a scene file does, by eye, target and up: what is saved is what is seen, bit for bit.
+//! A [`CameraController`] holds a camera as a scene file does, by eye, target and up: what is saved is what is seen, bit for bit.
 
 use direkt::scene::{Camera, Lens, Projection};
 use glam::{DMat3, DVec3};
@@ -10,7 +10,7 @@ const POLE: f64 = 0.02;
 
 /// A camera that looks at a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rig {
+pub struct CameraController {
     /// Where the camera stands.
     pub eye: DVec3,
     /// What it looks at, and turns about.
@@ -23,8 +23,8 @@ pub struct Rig {
     pub lens: Lens,
 }
 
-impl Rig {
-    /// A rig that sees what `camera` sees, with its target in the middle of what there is in `bounds`.
+impl CameraController {
+    /// A controller that sees what `camera` sees, with its target in the middle of what there is in `bounds`.
     pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> Self {
         let middle = bounds.map(|(low, high)| 0.5 * (low + high));
         let depth = middle.map_or(1.0, |middle| (middle - camera.eye).dot(camera.forward));
@@ -152,16 +152,18 @@ mod tests {
 
     const BOX: (DVec3, DVec3) = (DVec3::NEG_ONE, DVec3::ONE);
 
-    fn rig() -> Rig {
+    fn controller() -> CameraController {
         let camera = Camera::look_at(DVec3::new(0.0, 0.0, 4.0), DVec3::ZERO, DVec3::Y, 0.7);
-        Rig::of(&camera.expect("a camera"), Some(BOX))
+        CameraController::of(&camera.expect("a camera"), Some(BOX))
     }
 
     #[test]
     fn a_rig_sees_what_its_camera_saw() {
         let eye = DVec3::new(1.0, 2.0, 4.0);
         let camera = Camera::look_at(eye, DVec3::ZERO, DVec3::Y, 0.7).expect("a camera");
-        let seen = Rig::of(&camera, Some(BOX)).camera().expect("a camera");
+        let seen = CameraController::of(&camera, Some(BOX))
+            .camera()
+            .expect("a camera");
         assert!(seen.forward.distance(camera.forward) < 1e-12);
         assert!(seen.right.distance(camera.right) < 1e-12);
         assert_eq!(seen.eye, camera.eye);
@@ -170,42 +172,54 @@ mod tests {
 
     #[test]
     fn an_orbit_keeps_the_distance_and_stops_at_the_poles() {
-        let mut rig = rig();
-        rig.orbit(1.0, 0.5);
-        assert!((rig.eye.length() - 4.0).abs() < 1e-12);
-        assert!(rig.eye.y > 0.0, "upwards lifts the eye: {}", rig.eye);
-        rig.orbit(0.0, 100.0);
-        assert!(rig.camera().is_some());
-        assert!((rig.eye.y - 4.0 * POLE.cos()).abs() < 1e-9, "{}", rig.eye);
-        rig.orbit(0.0, -100.0);
-        assert!((rig.eye.y + 4.0 * POLE.cos()).abs() < 1e-9, "{}", rig.eye);
+        let mut controller = controller();
+        controller.orbit(1.0, 0.5);
+        assert!((controller.eye.length() - 4.0).abs() < 1e-12);
+        assert!(
+            controller.eye.y > 0.0,
+            "upwards lifts the eye: {}",
+            controller.eye
+        );
+        controller.orbit(0.0, 100.0);
+        assert!(controller.camera().is_some());
+        assert!(
+            (controller.eye.y - 4.0 * POLE.cos()).abs() < 1e-9,
+            "{}",
+            controller.eye
+        );
+        controller.orbit(0.0, -100.0);
+        assert!(
+            (controller.eye.y + 4.0 * POLE.cos()).abs() < 1e-9,
+            "{}",
+            controller.eye
+        );
     }
 
     #[test]
     fn looking_to_the_right_turns_to_the_right() {
-        let mut rig = rig();
-        rig.look(0.1, 0.0);
-        assert!(rig.target.x > 0.0, "{}", rig.target);
-        assert_eq!(rig.eye, DVec3::new(0.0, 0.0, 4.0));
-        rig.look(0.0, 0.1);
-        assert!(rig.target.y > 0.0, "{}", rig.target);
+        let mut controller = controller();
+        controller.look(0.1, 0.0);
+        assert!(controller.target.x > 0.0, "{}", controller.target);
+        assert_eq!(controller.eye, DVec3::new(0.0, 0.0, 4.0));
+        controller.look(0.0, 0.1);
+        assert!(controller.target.y > 0.0, "{}", controller.target);
     }
 
     #[test]
     fn a_pan_of_the_whole_height_moves_by_what_the_image_shows() {
-        let mut rig = rig();
-        rig.pan(0.0, 1.0);
+        let mut controller = controller();
+        controller.pan(0.0, 1.0);
         let height = 2.0 * (0.35_f64).tan() * 4.0;
-        assert!((rig.target.y - height).abs() < 1e-12);
-        assert!((rig.eye.y - height).abs() < 1e-12);
+        assert!((controller.target.y - height).abs() < 1e-12);
+        assert!((controller.eye.y - height).abs() < 1e-12);
     }
 
     #[test]
     fn a_framed_box_fits() {
-        let mut rig = rig();
-        rig.orbit(0.4, 0.3);
-        rig.frame((DVec3::splat(5.0), DVec3::splat(6.0)), 0.5);
-        let camera = rig.camera().expect("a camera");
+        let mut controller = controller();
+        controller.orbit(0.4, 0.3);
+        controller.frame((DVec3::splat(5.0), DVec3::splat(6.0)), 0.5);
+        let camera = controller.camera().expect("a camera");
         let half_height = camera.half_height();
         for corner in 0..8 {
             let bit = |i: i32| f64::from(corner >> i & 1);

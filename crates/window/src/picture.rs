@@ -1,12 +1,12 @@
 //! From a film to the colours of a screen.
 
 use super::density::Density;
-use super::job::{Layer, Method};
-use direkt::effects::Effect;
-use direkt::image::heat::{heat, ramp};
-use direkt::image::png::Display;
-use direkt::image::signed;
-use direkt::render::{Film, ImageError, RayCounts};
+use super::request::{Layer, Method};
+use direkt::low_level::effects::Effect;
+use direkt::low_level::image::heat::{heat, ramp};
+use direkt::low_level::image::png::Display;
+use direkt::low_level::image::signed;
+use direkt::low_level::render::{Film, RayCounts, RelMse};
 use direkt::scene::FilmSize;
 use eframe::egui::{Color32, ColorImage};
 use glam::DVec3;
@@ -19,7 +19,7 @@ const DIFFERENCE: f64 = 0.5;
 /// An image as it stood, and what is known of it.
 #[derive(Debug, Clone)]
 pub struct Picture {
-    /// The job that it belongs to.
+    /// The request that it belongs to.
     pub version: u64,
     /// The run: a new one begins whenever the samples begin anew.
     pub run: u64,
@@ -42,7 +42,7 @@ pub struct Picture {
     /// Rays traced.
     pub rays: RayCounts,
     /// The image's error, when it was last looked at.
-    pub error: Option<ImageError>,
+    pub error: Option<RelMse>,
     /// Seconds and √relMSE, as often as it was looked at.
     pub curve: Arc<Vec<[f64; 2]>>,
     /// What is compiled in, and why.
@@ -140,7 +140,7 @@ fn mean(rgb: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use direkt::render::Pixel;
+    use direkt::low_level::render::Pixel;
     use direkt::scene::Sampler;
 
     fn film(values: &[f64]) -> Film {

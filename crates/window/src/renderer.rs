@@ -1,9 +1,9 @@
 //! The thread that renders.
 
 use super::mailbox::{Mailbox, State};
-use super::studio::{Closed, Studio};
+use super::render_thread::{Closed, RenderThread};
 use direkt::error::GpuError;
-use direkt::gpu::Context;
+use direkt::low_level::gpu::Context;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
@@ -17,7 +17,7 @@ pub fn start(mailbox: Arc<Mailbox>, adapter: Option<String>) -> std::io::Result<
         .spawn(move || run(&mailbox, || Context::new(adapter.as_deref())))
 }
 
-/// Works off jobs on devices that `open` gives: when one is lost, the next goes on with what was saved.
+/// Works off requests on devices that `open` gives: when one is lost, the next goes on with what was saved.
 fn run(mailbox: &Mailbox, open: impl Fn() -> Result<Context, GpuError>) {
     let mut runs = 0;
     let mut rescued = Vec::new();
@@ -27,20 +27,20 @@ fn run(mailbox: &Mailbox, open: impl Fn() -> Result<Context, GpuError>) {
             Ok(context) => context,
             Err(error) => {
                 let message = error.to_string();
-                mailbox.tell(|news| news.state = State::Failed(message));
+                mailbox.tell(|status| status.state = State::Failed(message));
                 return;
             }
         };
         let facts = context.adapter.clone();
-        mailbox.tell(|news| news.adapter = Some(facts));
-        let mut studio = Studio::new(&context, mailbox, &mut runs, rescued);
-        match studio.run() {
+        mailbox.tell(|status| status.adapter = Some(facts));
+        let mut render_thread = RenderThread::new(&context, mailbox, &mut runs, rescued);
+        match render_thread.run() {
             Closed::Quit => return,
             Closed::Lost(error) => {
-                rescued = studio.rescue();
+                rescued = render_thread.rescue();
                 losses = if rescued.is_empty() { losses + 1 } else { 0 };
                 let message = format!("{error}; going on with another device");
-                mailbox.tell(|news| news.state = State::Failed(message));
+                mailbox.tell(|status| status.state = State::Failed(message));
             }
         }
     }

@@ -1,12 +1,12 @@
 //! Images and scenes, saved as they are seen.
 
 use super::lights::Lights;
-use super::navigation::Rig;
+use super::navigation::CameraController;
 use super::picture::Picture;
 use direkt::error::{Error, InputError};
-use direkt::image::png::{self, Display};
-use direkt::image::{exr, extension};
-use direkt::output;
+use direkt::low_level::image::png::{self, Display};
+use direkt::low_level::image::{exr, extension};
+use direkt::low_level::output;
 use direkt::scene::{FilmSize, Projection, RenderSettings};
 use glam::DVec3;
 use std::path::Path;
@@ -30,11 +30,9 @@ pub fn image(
                 ("scene", source.display().to_string()),
                 ("spp", picture.samples.to_string()),
                 ("seed", settings.seed.to_string()),
-                ("strategy", settings.strategy.to_string()),
-                ("light_selection", settings.light_selection.to_string()),
-                ("sampler", settings.sampler.to_string()),
                 ("direkt", env!("CARGO_PKG_VERSION").to_owned()),
             ];
+            let attributes = [&attributes, &*settings.estimator.entries()].concat();
             exr::write(path, &picture.film, &[], &attributes)
         }
         _ => Err(Error::Usage(format!(
@@ -48,7 +46,7 @@ pub fn image(
 #[derive(Debug, Clone)]
 pub struct Changes<'a> {
     /// The camera, where it was moved.
-    pub rig: Option<Rig>,
+    pub controller: Option<CameraController>,
     /// Size of the image.
     pub film: FilmSize,
     /// The table `[render]`.
@@ -73,8 +71,8 @@ pub fn scene(path: &Path, source: &Path, changes: &Changes<'_>) -> Result<(), Er
         )));
     }
     let mut document = document(source)?;
-    if let Some(rig) = &changes.rig {
-        camera_table(table(&mut document, "camera"), rig);
+    if let Some(controller) = &changes.controller {
+        camera_table(table(&mut document, "camera"), controller);
     }
     let film = table(&mut document, "film");
     film["width"] = value(i64::from(changes.film.width));
@@ -116,23 +114,23 @@ fn vector(v: DVec3) -> Item {
     value(Array::from_iter(v.to_array()))
 }
 
-fn camera_table(table: &mut Item, rig: &Rig) {
+fn camera_table(table: &mut Item, controller: &CameraController) {
     if let Some(table) = table.as_table_like_mut() {
         table.clear();
     }
-    match rig.projection {
+    match controller.projection {
         Projection::Perspective { fov_y } => table["fov"] = value(degrees(fov_y)),
         Projection::Orthographic { height } => {
             table["type"] = value("orthographic");
             table["height"] = value(height);
         }
     }
-    table["eye"] = vector(rig.eye);
-    table["target"] = vector(rig.target);
-    table["up"] = vector(rig.up);
-    if rig.lens.radius > 0.0 {
-        table["lens_radius"] = value(rig.lens.radius);
-        table["focus_distance"] = value(rig.lens.focus_distance);
+    table["eye"] = vector(controller.eye);
+    table["target"] = vector(controller.target);
+    table["up"] = vector(controller.up);
+    if controller.lens.radius > 0.0 {
+        table["lens_radius"] = value(controller.lens.radius);
+        table["focus_distance"] = value(controller.lens.focus_distance);
     }
 }
 
@@ -145,18 +143,14 @@ fn degrees(radians: f64) -> f64 {
 }
 
 fn render_table(table: &mut Item, settings: &RenderSettings) {
-    let text = |x: &dyn std::fmt::Display| value(x.to_string());
-    table["strategy"] = text(&settings.strategy);
-    table["light_selection"] = text(&settings.light_selection);
-    table["light_sampling"] = text(&settings.light_sampling);
-    table["mis_compensation"] = value(settings.mis_compensation);
-    table["shadow_rays"] = value(i64::from(settings.shadow_rays));
-    table["shadow_pattern"] = text(&settings.shadow_pattern);
-    table["energy_compensation"] = value(settings.energy_compensation);
-    table["max_specular_depth"] = value(i64::from(settings.max_specular_depth));
-    table["sampler"] = text(&settings.sampler);
-    table["adaptive"] = value(settings.adaptive);
-    table["spp"] = value(i64::try_from(settings.spp).unwrap_or(i64::MAX));
+    for (name, entry) in settings.estimator.entries() {
+        table[name] = match (entry.parse::<bool>(), entry.parse::<i64>()) {
+            (Ok(flag), _) => value(flag),
+            (_, Ok(number)) => value(number),
+            _ => value(entry),
+        };
+    }
+    table["spp"] = value(i64::try_from(settings.stop.spp).unwrap_or(i64::MAX));
     table["seed"] = value(i64::from(settings.seed));
     for ends in ["time", "error"] {
         if let Some(table) = table.as_table_like_mut() {
@@ -171,7 +165,7 @@ mod tests {
     use crate::example;
     use direkt::scene::load::{LoadOptions, load};
     use direkt::scene::normalize::bounds;
-    use direkt::scene::{Sampler, Strategy};
+    use direkt::scene::{EstimatorSettings, Sampler, StopSettings, Strategy};
 
     #[test]
     fn a_saved_scene_is_read_as_it_was() {
@@ -179,28 +173,34 @@ mod tests {
         let source = folder.path().join("cornell.toml");
         std::fs::copy(example("cornell"), &source).expect("copied");
         let before = load(&source, &LoadOptions::default()).expect("Cornell");
-        let mut rig = Rig::of(&before.camera, bounds(&before.shapes));
-        rig.orbit(0.3, 0.2);
-        rig.pan(0.01, -0.02);
+        let mut controller = CameraController::of(&before.camera, bounds(&before.shapes));
+        controller.orbit(0.3, 0.2);
+        controller.pan(0.01, -0.02);
         let lights = Lights::of(&before);
         let changes = Changes {
             lights: &lights,
-            rig: Some(rig),
+            controller: Some(controller),
             film: FilmSize {
                 width: 123,
                 height: 45,
             },
             settings: RenderSettings {
-                strategy: Strategy::Bsdf,
-                sampler: Sampler::Stratified,
-                spp: 17,
+                estimator: EstimatorSettings {
+                    strategy: Strategy::Bsdf,
+                    sampler: Sampler::Stratified,
+                    ..before.render.estimator
+                },
+                stop: StopSettings {
+                    spp: 17,
+                    ..before.render.stop
+                },
                 ..before.render
             },
         };
         let path = folder.path().join("view.toml");
         scene(&path, &source, &changes).expect("written");
         let after = load(&path, &LoadOptions::default()).expect("a scene");
-        assert_eq!(Some(after.camera), rig.camera());
+        assert_eq!(Some(after.camera), controller.camera());
         assert_eq!(after.film, changes.film);
         assert_eq!(after.render, changes.settings);
         assert_eq!(after.shapes, before.shapes);

@@ -1,26 +1,26 @@
 //! One view at work: a scene, a method, and the session that renders it.
 
 use super::density::densities;
-use super::job::{Job, Method};
 use super::picture::{Inspected, InspectedSurface, Picture, colours};
-use direkt::effects::Effect;
+use super::request::{Method, RenderRequest};
 use direkt::error::{Error, GpuError};
-use direkt::gpu::Context;
-use direkt::prepare::near_plane::is_distant;
-use direkt::prepare::{Prepared, SceneData};
-use direkt::reference::kernel::camera::camera_ray;
-use direkt::reference::scene::fetch::World;
-use direkt::reference::scene::opacity::Crossings;
-use direkt::reference::scene::surface::surface_at;
-use direkt::reference::scene::trace::closest_hit;
-use direkt::render::{Checkpoint, Film, ImageError, RayCounts, Session, StopReason};
+use direkt::low_level::effects::Effect;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::near_plane::is_distant;
+use direkt::low_level::prepare::{Prepared, SceneData};
+use direkt::low_level::reference::kernel::camera::camera_ray;
+use direkt::low_level::reference::scene::fetch::World;
+use direkt::low_level::reference::scene::opacity::Crossings;
+use direkt::low_level::reference::scene::surface::surface_at;
+use direkt::low_level::reference::scene::trace::closest_hit;
+use direkt::low_level::render::{Checkpoint, Film, RayCounts, RelMse, Session, StopReason};
 use direkt::scene::normalize::{Normalization, bounds};
 use direkt::scene::{Camera, FilmSize, Scene, validate};
 use glam::DVec2;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How long a dispatch should take, in the first second and after it: the renderer looks for a newer job between two, and
+/// How long a dispatch should take, in the first second and after it: the renderer looks for a newer request between two, and
 /// short ones cost some speed.
 const FIRST_DISPATCH: Duration = Duration::from_millis(20);
 const DISPATCH: Duration = Duration::from_millis(30);
@@ -62,7 +62,7 @@ pub struct View<'a> {
     /// Seconds spent on looks at the error in this run.
     error_spent: f64,
     shown_samples: u64,
-    error: Option<ImageError>,
+    error: Option<RelMse>,
     curve: Vec<[f64; 2]>,
 }
 
@@ -79,11 +79,11 @@ pub struct Rescued {
 }
 
 impl<'a> View<'a> {
-    /// Prepares the view of `method` and compiles its kernel, unless the device has it already. `data` is the scene of `job`
-    /// where another view has it, scaled for the job's camera.
+    /// Prepares the view of `method` and compiles its kernel, unless the device has it already. `data` is the scene of `request`
+    /// where another view has it, scaled for the request's camera.
     pub fn new(
         context: &'a Context,
-        job: &Job,
+        request: &RenderRequest,
         method: &Method,
         data: Option<Arc<SceneData>>,
         run: u64,
@@ -91,29 +91,29 @@ impl<'a> View<'a> {
         let settings = method.settings;
         let data = match data {
             Some(data) => {
-                validate::settings(&job.scene, &settings)?;
+                validate::settings(&request.scene, &settings)?;
                 data
             }
             None => {
-                let scene = job.scene_of(method);
+                let scene = request.scene_of(method);
                 validate::validate(&scene)?;
                 Arc::new(SceneData::new(scene))
             }
         };
-        let mut prepared = Prepared::seen_by(&data, (job.camera, job.film), settings);
+        let mut prepared = Prepared::seen_by(&data, (request.camera, request.film), settings);
         for &effect in &method.forced {
             prepared.effects.force(effect);
         }
         let effects = prepared.effects.iter();
         let effects = effects.map(|(effect, reason)| (effect, reason.to_owned()));
         let effects = Arc::new(effects.collect());
-        let mut session = Session::new(context, &prepared, job.film, settings.seed)?;
+        let mut session = Session::new(context, &prepared, request.film, settings.seed)?;
         session.set_dispatch_time(FIRST_DISPATCH);
         let mut view = Self {
-            scene: Arc::clone(&job.scene),
+            scene: Arc::clone(&request.scene),
             method: Arc::new(method.clone()),
-            camera: job.camera,
-            asked: job.film,
+            camera: request.camera,
+            asked: request.film,
             moving: false,
             prepared,
             session,
@@ -129,58 +129,58 @@ impl<'a> View<'a> {
             error: None,
             curve: Vec::new(),
         };
-        if job.moving {
-            view.reframe(job)?;
+        if request.moving {
+            view.reframe(request)?;
         }
         Ok(view)
     }
 
-    /// Whether it can do `job` by `method` as it is, but for where the camera stands and how large the image is.
-    pub fn fits(&self, job: &Job, method: &Method) -> bool {
+    /// Whether it can do `request` by `method` as it is, but for where the camera stands and how large the image is.
+    pub fn fits(&self, request: &RenderRequest, method: &Method) -> bool {
         let kind = |c: &Camera| (c.is_orthographic(), c.lens.radius > 0.0);
         *self.method == *method
-            && kind(&self.camera) == kind(&job.camera)
-            && self.data_for(job).is_some()
+            && kind(&self.camera) == kind(&request.camera)
+            && self.data_for(request).is_some()
     }
 
-    /// The scene of `job`, where this view has it, scaled for the job's camera.
-    pub fn data_for(&self, job: &Job) -> Option<Arc<SceneData>> {
-        let has_it = Arc::ptr_eq(&self.scene, &job.scene)
-            && (self.camera == job.camera || self.is_scaled_for(job));
+    /// The scene of `request`, where this view has it, scaled for the request's camera.
+    pub fn data_for(&self, request: &RenderRequest) -> Option<Arc<SceneData>> {
+        let has_it = Arc::ptr_eq(&self.scene, &request.scene)
+            && (self.camera == request.camera || self.is_scaled_for(request));
         has_it.then(|| Arc::clone(&self.prepared.data))
     }
 
-    /// Whether the scene is scaled as the camera of `job` calls for. While that moves, an ordinary scene stays as it is.
-    fn is_scaled_for(&self, job: &Job) -> bool {
+    /// Whether the scene is scaled as the camera of `request` calls for. While that moves, an ordinary scene stays as it is.
+    fn is_scaled_for(&self, request: &RenderRequest) -> bool {
         let effects = &self.prepared.effects;
         let normalization = &self.prepared.data.normalization;
         let scaled_for_camera =
             normalization.is_extreme() || effects.contains(Effect::DistantCamera);
         !scaled_for_camera
-            && (job.moving
-                || *normalization == Normalization::for_camera(&job.scene, &job.camera)
-                    && !is_distant(normalization, &job.camera))
+            && (request.moving
+                || *normalization == Normalization::for_camera(&request.scene, &request.camera)
+                    && !is_distant(normalization, &request.camera))
     }
 
-    /// Whether nothing is different in `job`.
-    pub fn is_of(&self, job: &Job) -> bool {
-        self.camera == job.camera && self.asked == job.film && self.moving == job.moving
+    /// Whether nothing is different in `request`.
+    pub fn is_of(&self, request: &RenderRequest) -> bool {
+        self.camera == request.camera && self.asked == request.film && self.moving == request.moving
     }
 
-    /// Begins the run `run` with the camera and the size of `job`.
-    pub fn begin(&mut self, job: &Job, run: u64) -> Result<(), GpuError> {
+    /// Begins the run `run` with the camera and the size of `request`.
+    pub fn begin(&mut self, request: &RenderRequest, run: u64) -> Result<(), GpuError> {
         self.run = run;
-        self.reframe(job)
+        self.reframe(request)
     }
 
-    fn reframe(&mut self, job: &Job) -> Result<(), GpuError> {
-        (self.camera, self.asked, self.moving) = (job.camera, job.film, job.moving);
-        let film = if job.moving {
-            self.reduced(job.film)
+    fn reframe(&mut self, request: &RenderRequest) -> Result<(), GpuError> {
+        (self.camera, self.asked, self.moving) = (request.camera, request.film, request.moving);
+        let film = if request.moving {
+            self.reduced(request.film)
         } else {
-            job.film
+            request.film
         };
-        self.prepared.camera = job.camera;
+        self.prepared.camera = request.camera;
         self.prepared.film = film;
         self.session.reframe(&self.prepared, film)?;
         self.session.set_dispatch_time(FIRST_DISPATCH);
@@ -293,7 +293,7 @@ impl<'a> View<'a> {
         &mut self,
         (film, rays): (Film, RayCounts),
         other: Option<&Film>,
-        (job, version): (&Job, u64),
+        (request, version): (&RenderRequest, u64),
         stop: impl Fn() -> bool,
     ) -> Picture {
         if self.error_is_due() {
@@ -311,7 +311,7 @@ impl<'a> View<'a> {
             version,
             run: self.run,
             method: Arc::clone(&self.method),
-            colours: Arc::new(colours(&film, other, job.layer, &job.display)),
+            colours: Arc::new(colours(&film, other, request.layer, &request.display)),
             full: !self.moving,
             samples: self.samples(),
             seconds: self.seconds,

@@ -1,6 +1,6 @@
 //! Files that are read again when they change.
 
-use direkt::gpu::shader::SHADERS_VARIABLE;
+use direkt::low_level::gpu::shader::SHADERS_VARIABLE;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -44,9 +44,12 @@ pub fn visit(scene: &mut Scene, visit: &mut impl FnMut(f64) -> f64) {
         }
     }
     let render = &mut scene.render;
-    visit.integer(&mut render.shadow_rays);
-    visit.number(&mut render.confidence);
-    for limit in [&mut render.time, &mut render.error].into_iter().flatten() {
+    visit.integer(&mut render.estimator.shadow_rays);
+    visit.number(&mut render.stop.confidence);
+    for limit in [&mut render.stop.time, &mut render.stop.error]
+        .into_iter()
+        .flatten()
+    {
         visit.number(limit);
     }
     if let Some(expect) = &mut scene.expect {

@@ -1,8 +1,8 @@
 //! What must hold of every scene that a reader lets through.
 
-use direkt::accel::PrimitiveGeometry;
-use direkt::emitters::Emitter;
-use direkt::prepare::Prepared;
+use direkt::low_level::accel::PrimitiveGeometry;
+use direkt::low_level::emitters::Emitter;
+use direkt::low_level::prepare::Prepared;
 use direkt::scene::validate::validate;
 use direkt::scene::{EnvironmentRadiance, Scene};
 use glam::DVec3;
@@ -75,7 +75,7 @@ fn lights(prepared: &Prepared) -> Result<(), String> {
         }
     }
     let lit = !prepared.emitters.lights.is_empty();
-    if lit && prepared.settings.strategy.samples_lights() {
+    if lit && prepared.settings.estimator.strategy.samples_lights() {
         let chosen = prepared.emitters.sampled().next();
         chosen.ok_or("there are lights, and none is ever chosen")?;
     }

@@ -15,7 +15,7 @@ const PARALLEL: usize = 4096;
 
 /// A light and its way from the root.
 #[derive(Debug, Clone, Copy)]
-pub struct Placed {
+pub(crate) struct Placed {
     /// The light.
     pub light: TreeLight,
     /// Bit k is the child that the way takes at level k.
@@ -24,7 +24,7 @@ pub struct Placed {
 
 /// Builds the node at level `depth` over two or more `lights` into `nodes`, one less than lights, depth first; the first
 /// of them is node `first`. Gives the bounds of all.
-pub fn build(
+pub(crate) fn build(
     lights: &mut [Placed],
     nodes: &mut [NodeWords],
     first: u32,

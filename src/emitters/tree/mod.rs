@@ -11,7 +11,7 @@ mod build;
 mod record;
 
 pub use bounds::{Cone, LightBounds, TreeLight};
-pub use record::{Grid, NodeWords, TREE_LEAF};
+pub use record::{Child, Grid, NodeWords, TREE_LEAF};
 
 use build::{Placed, build};
 

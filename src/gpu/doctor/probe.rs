@@ -3,21 +3,21 @@
 use crate::error::GpuError;
 use crate::gpu::Context;
 use crate::gpu::buffer::GpuBuffer;
-use crate::gpu::shader::{self, Config};
+use crate::gpu::shader::{self, KernelConstants};
 
 /// Runs the entry point of module `kernel::{name}`, which has the same name: `inputs` are the words of its binding 1, where
 /// there are any, and the answer those of its binding 0, `outputs` words that begin as zeros.
 ///
 /// # Errors
 /// The kernel does not compile or the driver fails.
-pub fn probe(
+pub(crate) fn probe(
     context: &Context,
     name: &str,
     inputs: &[u32],
     outputs: usize,
     workgroups: [u32; 2],
 ) -> Result<Vec<u32>, GpuError> {
-    let wgsl = shader::link(&format!("kernel::{name}"), [], Config::default())?;
+    let wgsl = shader::link(&format!("kernel::{name}"), [], KernelConstants::default())?;
     let device = &context.device;
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
     let answers: GpuBuffer<u32> = GpuBuffer::zeroed(device, "probe.answers", outputs, usage);

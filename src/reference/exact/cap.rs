@@ -18,12 +18,12 @@ impl Cap {
     }
 
     /// h, half the range of θ.
-    pub fn spread(&self) -> f64 {
+    pub(crate) fn spread(&self) -> f64 {
         self.beta.min(self.sigma)
     }
 
     /// Where the rings meet the horizon, or end; `None` when all are below it.
-    pub fn tau_end(&self) -> Option<f64> {
+    pub(crate) fn tau_end(&self) -> Option<f64> {
         let (m, h) = (self.middle(), self.spread());
         if h <= 0.0 || m - h >= FRAC_PI_2 {
             return None;
@@ -32,7 +32,7 @@ impl Cap {
     }
 
     /// The ring at θ, or the one next to it.
-    pub fn tau(&self, theta: f64) -> f64 {
+    pub(crate) fn tau(&self, theta: f64) -> f64 {
         ((self.middle() - theta) / self.spread())
             .clamp(-1.0, 1.0)
             .acos()
@@ -41,7 +41,7 @@ impl Cap {
     /// θ of the ring τ above the horizon, and the azimuth up to which it is covered:
     ///
     /// sin²(φ/2) : cos²(φ/2) = sin½(σ+θ−β) sin½(σ−θ+β) : sin½(θ+β+σ) sin½(θ+β−σ), from the spherical law of cosines.
-    pub fn ring(&self, tau: f64) -> (f64, f64) {
+    pub(crate) fn ring(&self, tau: f64) -> (f64, f64) {
         let (m, h) = (self.middle(), self.spread());
         let low = h * (0.5 * tau).sin().powi(2);
         let high = h * (0.5 * tau).cos().powi(2);

@@ -38,7 +38,7 @@ impl View {
     }
 
     /// Unit radiance from a polygon, its points relative to the receiver.
-    pub fn polygon(&self, bsdf: &impl Fn(DVec3) -> DVec3, local: &[DVec3]) -> Estimate {
+    pub(crate) fn polygon(&self, bsdf: &impl Fn(DVec3) -> DVec3, local: &[DVec3]) -> Estimate {
         let (above, _) = split(local, self.normal);
         let Some((&first, rest)) = above.split_first() else {
             return Estimate::ZERO;
@@ -75,7 +75,7 @@ impl View {
     }
 
     /// Unit radiance from a disk, its points relative to the receiver.
-    pub fn disk(
+    pub(crate) fn disk(
         &self,
         bsdf: &impl Fn(DVec3) -> DVec3,
         centre: DVec3,
@@ -123,7 +123,12 @@ impl View {
     }
 
     /// Unit radiance from a sphere, its points relative to the receiver.
-    pub fn sphere(&self, bsdf: &impl Fn(DVec3) -> DVec3, centre: DVec3, radius: f64) -> Estimate {
+    pub(crate) fn sphere(
+        &self,
+        bsdf: &impl Fn(DVec3) -> DVec3,
+        centre: DVec3,
+        radius: f64,
+    ) -> Estimate {
         let distance = centre.length();
         let rise = centre.dot(self.normal);
         let aside = centre - self.normal * rise;

@@ -82,7 +82,7 @@ pub fn follow_camera_ray(
     id: SampleId,
     sample: &mut Sample,
 ) -> Option<LitSurface> {
-    let depth = world.prepared.settings.max_specular_depth;
+    let depth = world.prepared.settings.estimator.max_specular_depth;
     let mut throughput = DVec3::ONE;
     let mut ray = first;
     loop {

@@ -29,7 +29,7 @@ use crate::reference::core::sampler::{
 };
 use crate::reference::light::alias_table::Choice;
 use crate::reference::light::ellipsoid::Ellipsoid;
-use crate::reference::light::light::{choose_light, own_samples, sample_chosen_light};
+use crate::reference::light::light::{choose_light, sample_chosen_light, samples_of_light};
 use crate::reference::light::opacity::light_opacity;
 use crate::reference::light::sample::LightSample;
 use crate::reference::light::tree::choose_tree_light;
@@ -60,7 +60,7 @@ pub struct Direct<'a> {
 
 impl<'a> Direct<'a> {
     /// The estimator for an image of `size` pixels; `broken` makes one mistake.
-    pub(in crate::reference) fn new(
+    pub(in crate::low_level::reference) fn new(
         prepared: &'a Prepared,
         size: FilmSize,
         seed: u32,
@@ -70,7 +70,7 @@ impl<'a> Direct<'a> {
         let lights = 0..prepared.emitters.lights.len() as u32;
         let likeliest = lights.max_by(|a, b| probability(a).total_cmp(&probability(b)));
         let numbers = Numbers {
-            sampler: prepared.settings.sampler,
+            sampler: prepared.settings.estimator.sampler,
             pattern: prepared.patterns().pixel,
             width: size.width,
         };
@@ -244,7 +244,7 @@ impl<'a> Direct<'a> {
             }
             Some(Selection::All(sampled)) => {
                 for (index, _) in (0..).zip(sampled).filter(|(_, sampled)| **sampled) {
-                    let own = own_samples(&self.world, index, rays);
+                    let own = samples_of_light(&self.world, index, rays);
                     for ray in 0..own {
                         let choice = Choice {
                             index,

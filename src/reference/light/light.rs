@@ -22,7 +22,7 @@ pub fn choose_light(world: &World<'_>, u: u32) -> Option<Choice> {
 }
 
 /// The number of samples of a light that has its own, with `rays` shadow rays: without extent one.
-pub fn own_samples(world: &World<'_>, light: u32, rays: u32) -> u32 {
+pub fn samples_of_light(world: &World<'_>, light: u32, rays: u32) -> u32 {
     match world.prepared.emitters.lights[light as usize] {
         Emitter::Delta(_) => 1,
         Emitter::Area { .. } | Emitter::Sun(_) | Emitter::Environment => rays,

@@ -1,13 +1,13 @@
 //! Sessions: made, and begun again.
 
 use super::checkpoint::Saved;
+use super::progress::Progress;
 use super::region::{Region, light_groups, most_tiles};
-use super::standing::Standing;
 use super::{RayCounts, Session};
 use crate::error::GpuError;
 use crate::gpu::kernel::{DIRECT, SceneKernel};
 use crate::gpu::layout::{Dispatch, TILE, TILE_PIXELS};
-use crate::gpu::shader::Config;
+use crate::gpu::shader::KernelConstants;
 use crate::gpu::{Context, GpuBuffer, SceneBuffers, frame_of};
 use crate::prepare::{Patterns, Prepared};
 use crate::render::film::Film;
@@ -34,7 +34,7 @@ impl Default for Build {
     fn default() -> Self {
         Self {
             region_tiles: REGION_TILES,
-            stamp: Config::default().stamp,
+            stamp: KernelConstants::default().stamp,
         }
     }
 }
@@ -99,14 +99,14 @@ impl<'a> Session<'a> {
         memory::check(context, prepared, film)?;
         let buffers = SceneBuffers::new(context, prepared)?;
         let compile_start = Instant::now();
-        let config = Config {
+        let constants = KernelConstants {
             stamp: build.stamp,
-            ..Config::of(prepared)
+            ..KernelConstants::of(prepared)
         };
-        let kernel = if build.stamp == Config::default().stamp {
-            context.kernel(&DIRECT, &prepared.effects, config)
+        let kernel = if build.stamp == KernelConstants::default().stamp {
+            context.kernel(&DIRECT, &prepared.effects, constants)
         } else {
-            SceneKernel::new(context, &DIRECT, &prepared.effects, config)
+            SceneKernel::new(context, &DIRECT, &prepared.effects, constants)
         }?;
         let device = &context.device;
         let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
@@ -126,11 +126,11 @@ impl<'a> Session<'a> {
             regions: Vec::new(),
             film: new_film(prepared, film),
             rays: RayCounts::default(),
-            adaptive: prepared.settings.adaptive,
-            standing: Standing::default(),
+            adaptive: prepared.settings.estimator.adaptive,
+            progress: Progress::default(),
             budget: first_budget(prepared),
             dispatch_time: dispatch_time(context),
-            saved: Saved::none(Standing::default()),
+            saved: Saved::none(Progress::default()),
             compile_seconds: 0.0,
             dispatches: 0,
         };
@@ -199,7 +199,7 @@ impl<'a> Session<'a> {
         self.write_frame()?;
         if film != self.film.size {
             self.film = new_film(prepared, film);
-            self.standing = Standing::default();
+            self.progress = Progress::default();
             self.make_regions(prepared, REGION_TILES)?;
         }
         self.forget()
@@ -211,8 +211,8 @@ impl<'a> Session<'a> {
         self.film = Film::new(self.film.size, self.film.sampler)
             .with_light_groups(groups)
             .in_units_of(self.film.unit);
-        let was_shared_out = self.standing.allocation.is_some();
-        self.standing = Standing::default();
+        let was_shared_out = self.progress.allocation.is_some();
+        self.progress = Progress::default();
         if was_shared_out {
             self.sort_pixels()?;
         }
@@ -232,7 +232,7 @@ impl<'a> Session<'a> {
 
 fn new_film(prepared: &Prepared, size: FilmSize) -> Film {
     let groups = prepared.emitters.groups.names.len();
-    Film::new(size, prepared.settings.sampler)
+    Film::new(size, prepared.settings.estimator.sampler)
         .with_light_groups(groups)
         .in_units_of(prepared.emitters.unit)
 }

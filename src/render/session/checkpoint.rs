@@ -1,7 +1,7 @@
 //! Where a render stands: what another device needs to go on with it, bit for bit as if nothing had happened.
 
+use super::progress::Progress;
 use super::readback::{Block, slots};
-use super::standing::Standing;
 use super::{RayCounts, Session};
 use crate::error::GpuError;
 use crate::render::film::Film;
@@ -25,14 +25,14 @@ pub struct Checkpoint {
 impl Checkpoint {
     /// Samples per pixel, on the average where they differ.
     pub fn samples(&self) -> u64 {
-        self.saved.standing.samples()
+        self.saved.progress.samples()
     }
 }
 
 /// The open blocks as the host knows them.
 #[derive(Debug, Clone)]
 pub(super) struct Saved {
-    pub standing: Standing,
+    pub progress: Progress,
     /// All rows of each region; none at the beginning of a block.
     pub blocks: Vec<Block>,
     at: Instant,
@@ -40,21 +40,21 @@ pub(super) struct Saved {
 
 impl Saved {
     /// No open blocks, as of now.
-    pub fn none(standing: Standing) -> Self {
+    pub(crate) fn none(progress: Progress) -> Self {
         Self {
-            standing,
+            progress,
             blocks: Vec::new(),
             at: Instant::now(),
         }
     }
 
     /// Whether it is time to save again.
-    pub fn is_due(&self) -> bool {
+    pub(crate) fn is_due(&self) -> bool {
         self.at.elapsed() >= INTERVAL
     }
 
     /// Forgets `block`, of the region `index`, which has been merged.
-    pub fn forget(&mut self, index: usize, block: &Block) {
+    pub(crate) fn forget(&mut self, index: usize, block: &Block) {
         if let Some(saved) = self.blocks.get_mut(index) {
             let states = slots(&block.rows(), 1);
             let per_pixel = block.light_groups.len() / block.states.len().max(1);
@@ -71,7 +71,7 @@ impl Session<'_> {
     /// # Errors
     /// The driver fails.
     pub fn save(&mut self) -> Result<(), GpuError> {
-        let mut saved = Saved::none(self.standing.clone());
+        let mut saved = Saved::none(self.progress.clone());
         for region in &self.regions {
             saved
                 .blocks
@@ -108,7 +108,7 @@ impl Session<'_> {
                 }
             }
         })?;
-        self.standing = saved.standing.clone();
+        self.progress = saved.progress.clone();
         self.sort_pixels()?;
         (self.film, self.rays, self.saved) = (film, rays, saved);
         Ok(())

@@ -1,7 +1,7 @@
 //! From the GPU to the film.
 
 use super::checkpoint::Saved;
-use super::standing::Standing;
+use super::progress::Progress;
 use super::{RayCounts, Region, Session};
 use crate::error::GpuError;
 use crate::gpu::GpuBuffer;
@@ -28,7 +28,7 @@ impl Session<'_> {
         let mut rays = self.rays;
         for region in &self.regions {
             let block = self.read_rows(region, region.all_rows())?;
-            merge(&mut film, &mut rays, &self.standing, (region, &block));
+            merge(&mut film, &mut rays, &self.progress, (region, &block));
         }
         Ok((film, rays))
     }
@@ -38,14 +38,14 @@ impl Session<'_> {
     pub fn safe_image(&self) -> (Film, RayCounts) {
         let (mut film, mut rays) = (self.film.clone(), self.rays);
         for (region, block) in self.regions.iter().zip(&self.saved.blocks) {
-            merge(&mut film, &mut rays, &self.saved.standing, (region, block));
+            merge(&mut film, &mut rays, &self.saved.progress, (region, block));
         }
         (film, rays)
     }
 
     /// Merges the blocks of the classes whose blocks are full into the film, and opens their next ones.
     pub(super) fn merge_full(&mut self) -> Result<(), GpuError> {
-        let classes = self.standing.classes.iter().enumerate();
+        let classes = self.progress.classes.iter().enumerate();
         let full = classes.filter(|(_, class)| class.is_full());
         let full: Vec<_> = full.map(|(class, _)| class).collect();
         let mut blocks = Vec::new();
@@ -57,11 +57,11 @@ impl Session<'_> {
         // What the host knows changes at once, so that a device that is lost takes nothing with it.
         for (region, block) in &blocks {
             let of_region = (&self.regions[*region], block);
-            merge(&mut self.film, &mut self.rays, &self.standing, of_region);
+            merge(&mut self.film, &mut self.rays, &self.progress, of_region);
         }
         for &class in &full {
-            self.standing.classes[class].open_block();
-            self.saved.standing.classes[class] = self.standing.classes[class];
+            self.progress.classes[class].open_block();
+            self.saved.progress.classes[class] = self.progress.classes[class];
         }
         for (region, block) in &blocks {
             self.saved.forget(*region, block);
@@ -72,7 +72,7 @@ impl Session<'_> {
 
     /// Forgets the open blocks.
     pub(super) fn clear_all(&mut self) -> Result<(), GpuError> {
-        self.saved = Saved::none(self.standing.clone());
+        self.saved = Saved::none(self.progress.clone());
         let regions = self.regions.iter();
         self.clear(regions.map(|region| (region, region.all_rows())))
     }
@@ -132,7 +132,7 @@ impl Session<'_> {
 }
 
 impl Block {
-    pub fn rows(&self) -> Range<u32> {
+    pub(crate) fn rows(&self) -> Range<u32> {
         self.first_row..self.first_row + self.states.len() as u32 / TILE_PIXELS
     }
 }
@@ -147,7 +147,7 @@ pub(super) fn slots(rows: &Range<u32>, per_pixel: usize) -> Range<usize> {
 fn merge(
     film: &mut Film,
     rays: &mut RayCounts,
-    standing: &Standing,
+    progress: &Progress,
     (region, block): (&Region, &Block),
 ) {
     let per_pixel = film.light_groups.len();
@@ -162,7 +162,7 @@ fn merge(
             state,
             &block.light_groups[i * per_pixel..][..per_pixel],
         );
-        let class = standing.classes[standing.class_of(pixel)];
+        let class = progress.classes[progress.class_of(pixel)];
         film.ledger.enter(state, x, y, class.merged);
         rays.camera += u64::from(state.samples + state.dropped);
         rays.shadow += u64::from(state.shadow_rays);

@@ -1,10 +1,10 @@
 //! A part of the image whose pixels share buffers.
 
 use crate::effects::Effect;
-use crate::golden;
-use crate::gpu::kernel::{OwnBindings, PassBuffers, RegionBindings, SceneKernel};
+use crate::gpu::kernel::{ExtraBindings, PassBuffers, RegionBindings, SceneKernel};
 use crate::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS, lane_pixel};
 use crate::gpu::{Context, GpuBuffer};
+use crate::lattice;
 use crate::prepare::Prepared;
 use crate::render::adaptive::CLASSES;
 use crate::scene::FilmSize;
@@ -25,7 +25,7 @@ pub(super) struct Region {
     /// The means of their groups of lights, and where these are read from.
     pub(super) light_groups: Option<[GpuBuffer<GroupMean>; 2]>,
     pub(super) bindings: RegionBindings,
-    pub(super) own: OwnBindings,
+    pub(super) own: ExtraBindings,
     /// The pixels as x + 2¹⁶·y in the order of their states, class by class, in rows of 64.
     order: Vec<u32>,
     order_buffer: GpuBuffer<u32>,
@@ -68,7 +68,7 @@ impl Region {
             first_tile,
             tiles,
             bindings: kernel.bind_region(device, &pass),
-            own: kernel.bind_own(device, vec![order_buffer.binding()]),
+            own: kernel.bind_extra(device, vec![order_buffer.binding()]),
             order: Vec::new(),
             order_buffer,
             rows: Vec::new(),
@@ -134,7 +134,7 @@ impl Region {
 /// some threads would have the dear one, and the others would wait for them.
 fn stride(software: bool, rows: usize) -> usize {
     if software {
-        golden::coprime(rows as u32) as usize
+        lattice::coprime(rows as u32) as usize
     } else {
         1
     }

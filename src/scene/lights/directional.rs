@@ -21,7 +21,7 @@ pub struct DirectionalLight {
 /// A directional light.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct DirectionalTable {
+pub(crate) struct DirectionalTable {
     /// The direction in which the light travels.
     direction: [f64; 3],
     /// Irradiance on a surface that faces it, not negative.

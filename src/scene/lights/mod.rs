@@ -157,7 +157,7 @@ impl Fault {
     }
 
     /// The same as an error about the light `field` of `file`.
-    pub fn at(self, file: &Path, field: &str) -> InputError {
+    pub(crate) fn at(self, file: &Path, field: &str) -> InputError {
         let field = match self.key {
             "" => field.to_owned(),
             key => format!("{field}.{key}"),

@@ -22,7 +22,7 @@ pub struct PointLight {
 /// A point light.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct PointTable {
+pub(crate) struct PointTable {
     /// Where it is.
     position: [f64; 3],
     /// Radiant intensity, not negative.

@@ -32,7 +32,7 @@ pub struct SpotLight {
 /// A spot light: `direction` or `target`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct SpotTable {
+pub(crate) struct SpotTable {
     /// Where it is.
     position: [f64; 3],
     /// Axis of the cone, away from the light.

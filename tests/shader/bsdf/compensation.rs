@@ -3,12 +3,12 @@
 use crate::support::context;
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call, words};
-use direkt::reference::bsdf::compensation::{
+use direkt::low_level::reference::bsdf::compensation::{
     compensation_albedo, compensation_fresnel, eval_compensation, ggx_albedo_deficit,
     ggx_average_deficit,
 };
-use direkt::reference::exact::cubature::{Tolerance, integrate};
-use direkt::reference::exact::ggx::{directional_albedo, rough_average_albedo};
+use direkt::low_level::reference::exact::cubature::{Tolerance, integrate};
+use direkt::low_level::reference::exact::ggx::{directional_albedo, rough_average_albedo};
 use direkt::scene::material::{Fresnel, SpecularLobe};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};

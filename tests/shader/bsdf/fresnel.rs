@@ -5,8 +5,10 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call, words};
-use direkt::reference::bsdf::fresnel::{fresnel_conductor, fresnel_dielectric, fresnel_schlick};
-use direkt::reference::exact::fresnel::{brewster_angle, critical_angle};
+use direkt::low_level::reference::bsdf::fresnel::{
+    fresnel_conductor, fresnel_dielectric, fresnel_schlick,
+};
+use direkt::low_level::reference::exact::fresnel::{brewster_angle, critical_angle};
 use direkt::scene::metals::Metal;
 use glam::DVec3;
 

@@ -6,13 +6,13 @@ use crate::support::random::{direction, rounded};
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call, draw, words};
 use crate::support::{context, edge_points, histogram, statistics};
-use direkt::reference::BrokenTwin;
-use direkt::reference::broken::BROKEN_TWINS;
-use direkt::reference::bsdf::ggx::{
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::broken::BROKEN_TWINS;
+use direkt::low_level::reference::bsdf::ggx::{
     eval_ggx, ggx_distribution, ggx_lambda, ggx_visibility, pdf_ggx, sample_ggx_visible_normal,
 };
-use direkt::stats::moments::Moments;
-use direkt::stats::z_test::z_test;
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::z_test::z_test;
 use glam::{DVec2, DVec3};
 
 const ALPHAS: [f64; 6] = [1e-4, 1e-3, 0.01, 0.1, 0.5, 1.0];
@@ -141,7 +141,7 @@ pub(super) fn sample_bound(wo: DVec3, alpha: f64, u: DVec2) -> f64 {
     let delta_z = 40.0 * U;
     let q = 2.0 * delta_z + 2.0 * U;
     let delta_r = (q / r.max(1e-9)).min(q.sqrt()) + 24.0 * U;
-    let sc = direkt::reference::core::math::sin_cos_two_pi(u.x);
+    let sc = direkt::low_level::reference::core::math::sin_cos_two_pi(u.x);
     let across = DVec2::new(r * sc.y, r * sc.x) + stretched.truncate();
     let (a, z) = (alpha * across.length(), (z + stretched.z).max(1e-7));
     let squared = a * a + z * z;

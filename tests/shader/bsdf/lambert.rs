@@ -2,9 +2,9 @@
 
 use crate::support::shader::{Function, call, draw, words};
 use crate::support::{context, edge_points, histogram, statistics};
-use direkt::reference::BrokenTwin;
-use direkt::reference::broken::BROKEN_TWINS;
-use direkt::reference::bsdf::lambert::{eval_lambert, pdf_lambert, sample_lambert};
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::broken::BROKEN_TWINS;
+use direkt::low_level::reference::bsdf::lambert::{eval_lambert, pdf_lambert, sample_lambert};
 use glam::DVec3;
 
 /// Near the horizon z = √(1 − r²) amplifies the rounding of r: there z² is compared.

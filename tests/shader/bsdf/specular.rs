@@ -4,12 +4,14 @@ use crate::support::random::direction;
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, call, draw, words};
 use crate::support::{context, statistics};
-use direkt::gpu::layout::{FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK, THIN_BIT};
-use direkt::reference::bsdf::specular::{Way, sample_specular};
+use direkt::low_level::gpu::layout::{
+    FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK, THIN_BIT,
+};
+use direkt::low_level::reference::bsdf::specular::{Way, sample_specular};
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::Bsdf;
 use direkt::scene::material::{BsdfParameters, DielectricLayer, Fresnel};
-use direkt::stats::moments::Moments;
-use direkt::stats::z_test::z_test;
 use glam::DVec3;
 
 const FEATURES: &[&str] = &["SPECULAR", "REFRACTION", "EXACT_DIELECTRIC", "GLOSSY"];

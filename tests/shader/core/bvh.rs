@@ -4,9 +4,9 @@ use crate::support::context;
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
 use crate::support::shader::{Function, call, words};
-use direkt::accel::flatten::LEAF;
-use direkt::reference::core::bvh::{Aabb, enter_box};
-use direkt::reference::core::ray::Ray;
+use direkt::low_level::accel::flatten::LEAF;
+use direkt::low_level::reference::core::bvh::{Aabb, enter_box};
+use direkt::low_level::reference::core::ray::Ray;
 use glam::{DVec3, Vec3};
 
 /// Cells by which the build pads boxes before it rounds them outwards to whole ones.

@@ -4,7 +4,9 @@ use crate::support::context;
 use crate::support::random::Random;
 use crate::support::rounding::{U, assert_all_near, assert_near};
 use crate::support::shader::{Function, call, words};
-use direkt::reference::core::frame::{ShadingFrame, frame_from_normal, to_local, to_world};
+use direkt::low_level::reference::core::frame::{
+    ShadingFrame, frame_from_normal, to_local, to_world,
+};
 use glam::DVec3;
 
 /// All kinds of unit vectors: random ones, the axes, and beside the poles, where z changes sign.

@@ -4,7 +4,7 @@ use crate::support::context;
 use crate::support::random::Random;
 use crate::support::rounding::{U, assert_near};
 use crate::support::shader::{Function, call, words};
-use direkt::reference::core::math::{
+use direkt::low_level::reference::core::math::{
     angle_of, half_angle_squares, luminance, max_abs, multiply_high, sin_cos_octant, sin_cos_two_pi,
 };
 use glam::DVec3;

@@ -4,8 +4,8 @@ use crate::support::context;
 use crate::support::random::Random;
 use crate::support::rounding::{U, assert_all_near};
 use crate::support::shader::{Function, call, words};
-use direkt::accel::octahedral::octahedral;
-use direkt::reference::core::octahedral::from_octahedral;
+use direkt::low_level::accel::octahedral::octahedral;
+use direkt::low_level::reference::core::octahedral::from_octahedral;
 use glam::{DVec2, DVec3};
 
 /// 1 − |x| − |y| rounds twice, and folding by it twice more.

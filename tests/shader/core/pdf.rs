@@ -5,8 +5,8 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
 use crate::support::rounding::{U, assert_near};
 use crate::support::shader::{Function, call, words};
-use direkt::reference::BrokenTwin;
-use direkt::reference::core::pdf::{
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::core::pdf::{
     PdfArea, PdfDiscrete, PdfSolidAngle, area_to_solid_angle, chosen, power_heuristic,
 };
 

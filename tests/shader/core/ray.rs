@@ -4,7 +4,7 @@ use crate::support::context;
 use crate::support::random::{Random, rounded};
 use crate::support::rounding::{U, assert_all_near, assert_near};
 use crate::support::shader::{Function, call, words};
-use direkt::reference::core::frame::frame_from_normal;
+use direkt::low_level::reference::core::frame::frame_from_normal;
 use glam::{DVec2, DVec3};
 
 /// |d|² is off by 3 U and its reciprocal by 8 U; the root by 4 U + 9 U, the normalised direction by 14 U. The frame's

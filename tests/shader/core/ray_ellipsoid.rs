@@ -4,8 +4,8 @@ use crate::support::context;
 use crate::support::random::{Random, rounded};
 use crate::support::rounding::{U, assert_all_near};
 use crate::support::shader::{Answers, Function, call, words};
-use direkt::reference::core::ray::Ray;
-use direkt::reference::core::ray_ellipsoid::{ellipsoid_normal, intersect_ellipsoid};
+use direkt::low_level::reference::core::ray::Ray;
+use direkt::low_level::reference::core::ray_ellipsoid::{ellipsoid_normal, intersect_ellipsoid};
 use direkt::scene::ellipsoid::{PrincipalAxes, rotation};
 use glam::{DMat3, DVec3};
 

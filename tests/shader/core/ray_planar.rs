@@ -6,9 +6,9 @@ use crate::support::context;
 use crate::support::random::{Random, rounded};
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, call, words};
-use direkt::gpu::Context;
-use direkt::reference::core::ray::Ray;
-use direkt::reference::core::ray_planar::{
+use direkt::low_level::gpu::Context;
+use direkt::low_level::reference::core::ray::Ray;
+use direkt::low_level::reference::core::ray_planar::{
     PlanarHit, intersect_disk, intersect_rectangle, intersect_triangle,
 };
 use glam::{DVec2, DVec3};

@@ -5,8 +5,8 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::{Random, rounded};
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call, words};
-use direkt::reference::core::ray::Ray;
-use direkt::reference::core::ray_sphere::intersect_sphere;
+use direkt::low_level::reference::core::ray::Ray;
+use direkt::low_level::reference::core::ray_sphere::intersect_sphere;
 use glam::DVec3;
 
 const INTERSECT: Function<'_> = Function {

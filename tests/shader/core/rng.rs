@@ -5,9 +5,9 @@ use crate::support::random::Random;
 use crate::support::shader::{Answers, Function, call, draw};
 use crate::support::statistics::{accept, correlation_p_value, reject, reject_broken};
 use crate::support::{context, histogram};
-use direkt::reference::BrokenTwin;
-use direkt::reference::core::rng::{pcg4d, to_unit, to_unit_2d};
-use direkt::stats::z_test::z_test;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::core::rng::{pcg4d, to_unit, to_unit_2d};
+use direkt::low_level::stats::z_test::z_test;
 use glam::DVec2;
 
 const PCG4D: Function<'_> = Function {

@@ -6,8 +6,8 @@ use crate::support::context;
 use crate::support::random::Random;
 use crate::support::shader::{Function, call, draw};
 use crate::support::statistics::{accept, correlation_p_value, reject};
-use direkt::reference::core::rng::to_unit;
-use direkt::reference::core::sampler::{
+use direkt::low_level::reference::core::rng::to_unit;
+use direkt::low_level::reference::core::sampler::{
     GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, GROUP_LIGHT_POINTS, GROUP_LIGHT_TREE, GROUP_OPACITY,
     GROUP_SPECULAR, SampleId, part_of_sample, random_group,
 };

@@ -3,9 +3,11 @@
 use crate::support::random::Random;
 use crate::support::shader::{Function, call};
 use crate::support::{context, statistics};
-use direkt::reference::core::rng::pcg4d;
-use direkt::reference::core::sobol::{scramble_reversed, sobol_2d, sobol_second_reversed};
-use direkt::stats::chi2::{Totals, chi2_test};
+use direkt::low_level::reference::core::rng::pcg4d;
+use direkt::low_level::reference::core::sobol::{
+    scramble_reversed, sobol_2d, sobol_second_reversed,
+};
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
 
 const POINT: Function<'_> = Function {
     imports: "import package::core::sobol::sobol_2d;",

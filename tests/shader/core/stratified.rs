@@ -3,7 +3,7 @@
 use crate::support::context;
 use crate::support::random::Random;
 use crate::support::shader::{Function, call};
-use direkt::reference::core::stratified::stratified_2d;
+use direkt::low_level::reference::core::stratified::stratified_2d;
 
 /// Bit for bit the twin's, and every cell of the grid once, whatever its shape.
 #[test]

@@ -5,8 +5,8 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::numbers;
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, call};
-use direkt::gpu::layout::BLOCK_SAMPLES;
-use direkt::stats::moments::Moments;
+use direkt::low_level::gpu::layout::BLOCK_SAMPLES;
+use direkt::low_level::stats::moments::Moments;
 
 const LENGTH: usize = BLOCK_SAMPLES as usize;
 

@@ -4,11 +4,11 @@ use crate::support::random::numbers;
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, own_scenes, prepared, scene};
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
-use direkt::reference::core::ray::Ray;
-use direkt::reference::kernel::camera::camera_ray;
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::core::ray::Ray;
+use direkt::low_level::reference::kernel::camera::camera_ray;
+use direkt::low_level::reference::scene::fetch::World;
 use direkt::scene::{FilmSize, Lens, Projection};
 use glam::DVec2;
 

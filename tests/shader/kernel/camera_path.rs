@@ -3,10 +3,10 @@
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, prepared, render, scene};
-use direkt::effects::Effect;
-use direkt::reference::core::frame::{ShadingFrame, frame_from_normal};
-use direkt::reference::kernel::camera_path::ray_onwards;
-use direkt::reference::scene::surface::Surface;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::reference::core::frame::{ShadingFrame, frame_from_normal};
+use direkt::low_level::reference::kernel::camera_path::ray_onwards;
+use direkt::low_level::reference::scene::surface::Surface;
 use direkt::scene::{Bsdf, Strategy};
 use glam::DVec3;
 
@@ -84,7 +84,7 @@ fn what_is_seen_in_mirrors_does_not_depend_on_the_strategy() {
     for name in ["mirror", "mirror_shows_direct_lighting", "glass_pane"] {
         let mut scene = scene(&format!("scenes/tests/{name}.toml"));
         let mut film = |strategy: Strategy| {
-            scene.render.strategy = strategy;
+            scene.render.estimator.strategy = strategy;
             let mean = render(context(), scene.clone()).mean();
             DVec3::from(mean)
         };

@@ -3,7 +3,7 @@
 use crate::support::floor_pixel;
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, prepared_for};
-use direkt::gpu::layout::{TILE, TILE_PIXELS, lane_pixel};
+use direkt::low_level::gpu::layout::{TILE, TILE_PIXELS, lane_pixel};
 use direkt::scene::{FilmSize, LightSelection, Strategy};
 
 /// Every pixel once, in tiles of 8 × 8, and nothing else within the image.

@@ -2,7 +2,7 @@
 
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, prepared, scene};
-use direkt::reference::kernel::feature_record::albedo;
+use direkt::low_level::reference::kernel::feature_record::albedo;
 use direkt::scene::MaterialId;
 use glam::DVec3;
 

@@ -3,11 +3,11 @@
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, edge_points, floor_pixel, histogram, prepared, statistics};
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
-use direkt::reference::BrokenTwin;
-use direkt::reference::exact::cubature::{Tolerance, integrate};
-use direkt::reference::kernel::filter::{film_point, sample_filter, sample_in_cell};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::exact::cubature::{Tolerance, integrate};
+use direkt::low_level::reference::kernel::filter::{film_point, sample_filter, sample_in_cell};
 use direkt::scene::PixelFilter;
 use direkt::scene::filter::FilterKind;
 use glam::{DVec2, DVec3};
@@ -109,7 +109,7 @@ fn the_pixels_own_square_changes_nothing() {
     let reason = || "forced".to_owned();
     prepared
         .effects
-        .call_for(direkt::effects::Effect::PixelFilter, reason);
+        .call_for(direkt::low_level::effects::Effect::PixelFilter, reason);
     let numbers = edge_points();
     assert_eq!(film_points(context, &prepared, &numbers), numbers);
 }

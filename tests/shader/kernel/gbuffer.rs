@@ -2,9 +2,9 @@
 
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, floor_pixel, prepared};
-use direkt::reference::Twin;
-use direkt::reference::kernel::gbuffer::{MIDDLE, surface_at_film};
-use direkt::reference::scene::opacity::Crossings;
+use direkt::low_level::reference::Twin;
+use direkt::low_level::reference::kernel::gbuffer::{MIDDLE, surface_at_film};
+use direkt::low_level::reference::scene::opacity::Crossings;
 
 #[test]
 fn the_middle_of_a_pixel_sees_what_the_twins_does() {

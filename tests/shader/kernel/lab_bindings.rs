@@ -1,7 +1,7 @@
 //! `shaders/kernel/lab_bindings.wesl`: which random number goes where, and that a run does not depend on how it is cut.
 
 use crate::support::context;
-use direkt::reference::core::rng::{pcg4d, to_unit};
+use direkt::low_level::reference::core::rng::{pcg4d, to_unit};
 use direkt_instruments::lab::bench::Bench;
 use direkt_instruments::lab::layout::LabRun;
 

@@ -2,8 +2,8 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
-use direkt::stats::chi2::{Totals, chi2_test};
-use direkt::stats::z_test::z_test;
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
+use direkt::low_level::stats::z_test::z_test;
 use direkt_instruments::lab::Settings;
 use direkt_instruments::lab::bench::Bench;
 use direkt_instruments::lab::densities::Discrete;

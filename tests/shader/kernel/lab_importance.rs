@@ -2,7 +2,7 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
-use direkt::reference::exact::lecture::LinearDensity;
+use direkt::low_level::reference::exact::lecture::LinearDensity;
 use direkt_instruments::lab::Settings;
 use direkt_instruments::lab::bench::Bench;
 use direkt_instruments::lab::importance::{ROWS, checks, draw};

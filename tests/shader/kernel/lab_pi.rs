@@ -2,7 +2,7 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
-use direkt::stats::z_test::z_test;
+use direkt::low_level::stats::z_test::z_test;
 use direkt_instruments::lab::Settings;
 use direkt_instruments::lab::bench::Bench;
 use direkt_instruments::lab::layout::merged;

@@ -2,8 +2,8 @@
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
-use direkt::stats::moments::Moments;
-use direkt::stats::t_test::one_sample;
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::t_test::one_sample;
 use direkt_instruments::lab::Settings;
 use direkt_instruments::lab::bench::Bench;
 use direkt_instruments::lab::integral::{Case, Measured, Method, ladder};

@@ -1,11 +1,11 @@
 //! `shaders/kernel/record.wesl`: what it records is what a render accumulates.
 
 use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes, prepared_for};
-use direkt::gpu::layout::{NONE, SampleRecord};
-use direkt::gpu::recorder::Recorder;
-use direkt::render::{Session, StopReason};
+use direkt::low_level::gpu::layout::{NONE, SampleRecord};
+use direkt::low_level::gpu::recorder::Recorder;
+use direkt::low_level::render::{Session, StopReason};
+use direkt::low_level::stats::moments::Moments;
 use direkt::scene::{FilmSize, LightSelection, Strategy};
-use direkt::stats::moments::Moments;
 use direkt_instruments::compare::accumulation::TOLERANCE;
 
 const SAMPLES: u64 = 8;

@@ -2,7 +2,7 @@
 
 use crate::support::context;
 use crate::support::shader::{Function, draw};
-use direkt::gpu::layout::{NONE, NOT_TRACED, SampleRecord};
+use direkt::low_level::gpu::layout::{NONE, NOT_TRACED, SampleRecord};
 use direkt::scene::shadow_rays::MAX_LIGHT_SAMPLES;
 use glam::DVec3;
 

@@ -4,13 +4,13 @@ use crate::support::every_kind::{environment_map, every_kind};
 use crate::support::random::Random;
 use crate::support::shader::{Function, call, call_in};
 use crate::support::{context, edge_points, prepared_for, statistics};
-use direkt::prepare::Prepared;
-use direkt::reference::core::rng::to_unit;
-use direkt::reference::core::sampler::{Numbers, SampleId};
-use direkt::reference::kernel::shadow_rays::{ShadowRays, grid_point};
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::core::rng::to_unit;
+use direkt::low_level::reference::core::sampler::{Numbers, SampleId};
+use direkt::low_level::reference::kernel::shadow_rays::{ShadowRays, grid_point};
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{LightSelection, Sampler, ShadowGrid, ShadowPattern, Strategy};
-use direkt::stats::chi2::{Totals, chi2_test};
 use glam::DVec2;
 
 const PATTERNS: [ShadowPattern; 4] = [
@@ -39,16 +39,16 @@ fn prepared(
     sampler: Sampler,
 ) -> Prepared {
     let mut scene = every_kind(environment_map(Interpolation::Nearest));
-    scene.render.shadow_rays = rays;
-    scene.render.shadow_pattern = pattern;
-    scene.render.sampler = sampler;
+    scene.render.estimator.shadow_rays = rays;
+    scene.render.estimator.shadow_pattern = pattern;
+    scene.render.estimator.sampler = sampler;
     scene.render.seed = 51;
     prepared_for(scene, Strategy::MisPower, selection)
 }
 
 fn twin(prepared: &Prepared) -> (ShadowRays, Numbers) {
     let numbers = Numbers {
-        sampler: prepared.settings.sampler,
+        sampler: prepared.settings.estimator.sampler,
         pattern: prepared.patterns().pixel,
         width: prepared.film.width,
     };
@@ -231,7 +231,7 @@ fn lights_have_rays_of_their_own() {
     for pattern in [ShadowPattern::Random, ShadowPattern::Stratified] {
         for sampler in INDEPENDENT_PAIRS {
             let mut prepared = prepared(4, pattern, LightSelection::All, sampler);
-            prepared.settings.spp = 32;
+            prepared.settings.stop.spp = 32;
             let (twin, _) = twin(&prepared);
             let pairs = (0..SAMPLES).flat_map(|index| {
                 (0..4).map(move |ray| {

@@ -2,7 +2,7 @@
 
 use crate::support::context;
 use crate::support::shader::{Function, draw};
-use direkt::reference::core::rng::{pcg4d, to_unit};
+use direkt::low_level::reference::core::rng::{pcg4d, to_unit};
 
 const COUNT: u32 = 12;
 

@@ -2,8 +2,8 @@
 
 use crate::support::context;
 use crate::support::shader::{Function, call};
-use direkt::reference::core::rng::{pcg4d, to_unit};
-use direkt::stats::moments::Moments;
+use direkt::low_level::reference::core::rng::{pcg4d, to_unit};
+use direkt::low_level::stats::moments::Moments;
 
 #[test]
 fn blocks_of_256_have_mean_and_spread_of_f64() {

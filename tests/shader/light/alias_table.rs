@@ -4,10 +4,10 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::Random;
 use crate::support::shader::{Function, call, draw};
 use crate::support::{context, statistics};
-use direkt::reference::BrokenTwin;
-use direkt::reference::light::alias_table::{alias_choice, alias_entry};
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::light::alias_table::{alias_choice, alias_entry};
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
 use direkt::scene::alias_table::AliasTable;
-use direkt::stats::chi2::{Totals, chi2_test};
 
 /// Flat, uneven, with indices of weight zero, and of sizes at which ⌊u·n/2³²⌋ is hard.
 fn tables() -> Vec<Vec<f64>> {

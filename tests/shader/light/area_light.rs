@@ -6,14 +6,16 @@ use crate::support::random::{Random, numbers, rounded};
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, emitter, floor_pixel, prepared_for, render};
-use direkt::accel::PrimitiveGeometry;
-use direkt::emitters::Emitter;
-use direkt::reference::core::frame::frame_from_normal;
-use direkt::reference::core::pdf::PdfDiscrete;
-use direkt::reference::exact::solid_angle::{cone_solid_angle, polygon_solid_angle};
-use direkt::reference::light::area_light::{MIN_SOLID_ANGLE, area_light, sample_area_light};
-use direkt::reference::light::ellipsoid::{Ellipsoid, view_ellipsoid};
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::accel::PrimitiveGeometry;
+use direkt::low_level::emitters::Emitter;
+use direkt::low_level::reference::core::frame::frame_from_normal;
+use direkt::low_level::reference::core::pdf::PdfDiscrete;
+use direkt::low_level::reference::exact::solid_angle::{cone_solid_angle, polygon_solid_angle};
+use direkt::low_level::reference::light::area_light::{
+    MIN_SOLID_ANGLE, area_light, sample_area_light,
+};
+use direkt::low_level::reference::light::ellipsoid::{Ellipsoid, view_ellipsoid};
+use direkt::low_level::reference::scene::fetch::World;
 use direkt::scene::{FilmSize, Geometry, LightSampling, LightSelection, Strategy};
 use glam::{DVec2, DVec3};
 
@@ -73,18 +75,18 @@ fn turning_back(geometry: &PrimitiveGeometry) -> f64 {
 fn solid_angle_samples_are_the_twins() {
     let context = context();
     let mut scene = with_right_angles(every_kind(constant_environment()));
-    scene.render.light_sampling = LightSampling::SolidAngle;
+    scene.render.estimator.light_sampling = LightSampling::SolidAngle;
     let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Uniform);
     let world = World::new(&prepared);
     let function = Function {
         imports: "import package::core::frame::frame_from_normal;
                   import package::light::area_light::{pdf_area_light, sample_area_light};
-                  import package::core::pdf::PdfDiscrete;
+                  import package::core::pdf::ExpectedSamples;
                   import package::scene::fetch::fetch_light;",
         body: "let facing = frame_from_normal(vec3f(0.0, 0.0, 1.0));
                let light = fetch_light(in_u32(0u));
                let x = in_vec3f(1u);
-               let s = sample_area_light(light, PdfDiscrete(light.selection), x, facing, in_vec2f(4u));
+               let s = sample_area_light(light, light.expected_samples, x, facing, in_vec2f(4u));
                let d = s.target_point - x;
                let cos_light = abs(dot(normalize(cross(light.u, light.v)), s.wi));
                out_vec3f(0u, s.wi);
@@ -162,7 +164,7 @@ fn samples_from_within_a_sphere_are_the_twins() {
         radius: 3.0,
     };
     scene.shapes.push(emitter(sphere, 1.0, true));
-    scene.render.light_sampling = LightSampling::SolidAngle;
+    scene.render.estimator.light_sampling = LightSampling::SolidAngle;
     let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Uniform);
     let world = World::new(&prepared);
     let light = area_light(&world, 0);
@@ -172,10 +174,10 @@ fn samples_from_within_a_sphere_are_the_twins() {
     let function = Function {
         imports: "import package::core::frame::frame_from_normal;
                   import package::light::area_light::{pdf_area_light, sample_area_light};
-                  import package::core::pdf::PdfDiscrete;
+                  import package::core::pdf::ExpectedSamples;
                   import package::scene::fetch::fetch_light;",
         body: "let frame = frame_from_normal(in_vec3f(3u));
-               let s = sample_area_light(fetch_light(0u), PdfDiscrete(1.0), in_vec3f(0u), frame, in_vec2f(6u));
+               let s = sample_area_light(fetch_light(0u), ExpectedSamples(1.0), in_vec3f(0u), frame, in_vec2f(6u));
                out_vec3f(0u, s.wi);
                out_f32(3u, s.pdf.value);
                out_f32(4u, pdf_area_light(0u, in_vec3f(0u), frame, s.wi, 1.0, 1.0, vec2f(0.0)).value);",
@@ -237,19 +239,19 @@ fn a_spheres_variance_is_the_exact_one() {
         1.0,
         false,
     ));
-    scene.render.strategy = Strategy::LightSolidAngle;
-    scene.render.spp = 64;
+    scene.render.estimator.strategy = Strategy::LightSolidAngle;
+    scene.render.stop.spp = 64;
     let film = render(context, scene);
     // Radiance is 0.5/π times the irradiance.
     let factor = (0.5 / std::f64::consts::PI).powi(2);
     let exact = factor * 0.001_059_908_360_548_24 / 64.0;
-    let reported: direkt::stats::moments::Moments = film
+    let reported: direkt::low_level::stats::moments::Moments = film
         .pixels
         .iter()
         .filter_map(|p| Some(p.variance_of_mean()?[0]))
         .collect();
-    let test = direkt::stats::t_test::one_sample(&reported, exact).unwrap();
+    let test = direkt::low_level::stats::t_test::one_sample(&reported, exact).unwrap();
     crate::support::statistics::accept(test.p_value, "variance over a sphere's cone");
-    let area = direkt::stats::t_test::one_sample(&reported, 1.02 * exact).unwrap();
+    let area = direkt::low_level::stats::t_test::one_sample(&reported, 1.02 * exact).unwrap();
     crate::support::statistics::reject(area.p_value, "variance over a sphere's cone, 2 % more");
 }

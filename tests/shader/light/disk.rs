@@ -4,8 +4,10 @@ use crate::support::random::Random;
 use crate::support::rounding::{U, assert_integrates_to_one, assert_near};
 use crate::support::shader::{Function, call, draw, words};
 use crate::support::{context, edge_points, histogram, statistics};
-use direkt::reference::BrokenTwin;
-use direkt::reference::light::disk::{invert_disk_area as invert, pdf_disk_area, sample_disk_area};
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::light::disk::{
+    invert_disk_area as invert, pdf_disk_area, sample_disk_area,
+};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 

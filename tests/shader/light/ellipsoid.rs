@@ -4,16 +4,16 @@ use crate::support::random::{Random, rounded};
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, call_in, words};
 use crate::support::{context, edge_points, emitter, floor_pixel, prepared_for};
-use direkt::prepare::Prepared;
-use direkt::reference::core::frame::frame_from_normal;
-use direkt::reference::core::pdf::PdfDiscrete;
-use direkt::reference::light::area_light::{area_light, sample_area_light};
-use direkt::reference::light::ellipsoid::{
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::core::frame::frame_from_normal;
+use direkt::low_level::reference::core::pdf::PdfDiscrete;
+use direkt::low_level::reference::light::area_light::{area_light, sample_area_light};
+use direkt::low_level::reference::light::ellipsoid::{
     Ellipsoid, EllipsoidView, pdf_ellipsoid_area, view_ellipsoid,
 };
-use direkt::reference::light::sphere::sample_sphere_area;
-use direkt::reference::scene::fetch::World;
-use direkt::reference::scene::surface::OFFSET;
+use direkt::low_level::reference::light::sphere::sample_sphere_area;
+use direkt::low_level::reference::scene::fetch::World;
+use direkt::low_level::reference::scene::surface::OFFSET;
 use direkt::scene::ellipsoid::rotation;
 use direkt::scene::{Geometry, LightSampling, LightSelection, Scene, Strategy};
 use glam::{DMat3, DVec2, DVec3};
@@ -40,7 +40,7 @@ fn lamps(sampling: LightSampling) -> Prepared {
         };
         scene.shapes.push(emitter(ellipsoid, 1.0, true));
     }
-    scene.render.light_sampling = sampling;
+    scene.render.estimator.light_sampling = sampling;
     prepared_for(scene, Strategy::MisPower, LightSelection::Uniform)
 }
 
@@ -80,7 +80,7 @@ fn places(world: &World<'_>) -> Vec<Place> {
 }
 
 const IMPORTS: &str = "import package::core::frame::frame_from_normal;
-    import package::core::pdf::PdfDiscrete;
+    import package::core::pdf::ExpectedSamples;
     import package::light::area_light::sample_area_light;
     import package::light::ellipsoid::{pdf_ellipsoid_area, pdf_ellipsoid_light};
     import package::scene::fetch::fetch_light;";
@@ -92,7 +92,7 @@ fn sampled(prepared: &Prepared, places: &[Place]) -> Answers {
         body: "let light = fetch_light(in_u32(0u));
                let x = in_vec3f(1u);
                let frame = frame_from_normal(vec3f(0.0, 0.6, 0.8));
-               let s = sample_area_light(light, PdfDiscrete(1.0), x, frame, in_vec2f(4u));
+               let s = sample_area_light(light, ExpectedSamples(1.0), x, frame, in_vec2f(4u));
                out_vec3f(0u, s.wi); out_f32(3u, s.pdf.value);
                out_vec3f(4u, s.target_point); out_f32(7u, s.radiance_over_pdf.x);
                let evaluated = pdf_ellipsoid_light(light, x, frame, s.wi, 1.0, 1.0, vec2f(0.0));

@@ -4,20 +4,20 @@ use crate::support::random::Random;
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, emitter, floor_pixel, prepared_for, statistics, unit_square};
-use direkt::accel::PrimitiveGeometry;
-use direkt::emitters::{EmissionMap, Emitter};
-use direkt::prepare::Prepared;
-use direkt::reference::BrokenTwin;
-use direkt::reference::light::emission::{
+use direkt::low_level::accel::PrimitiveGeometry;
+use direkt::low_level::emitters::{EmissionMap, Emitter};
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::light::emission::{
     emission_cell_margin, emission_factor, emission_map, invert_light_area, pdf_emission,
     sample_emission,
 };
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::reference::scene::fetch::World;
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{
     Geometry, LightSelection, Mesh, Scene, Strategy, Texels, Texture, TextureId, TextureUse, Wrap,
 };
-use direkt::stats::chi2::{Totals, chi2_test};
 use glam::{DAffine2, DVec2, DVec3};
 use half::f16;
 

@@ -6,8 +6,8 @@ use crate::support::random::{Random, rounded};
 use crate::support::rounding::{U, assert_all_near, assert_near};
 use crate::support::shader::{Function, call, words};
 use crate::support::{context, edge_points};
-use direkt::reference::core::pdf::PdfDiscrete;
-use direkt::reference::light::environment::{
+use direkt::low_level::reference::core::pdf::PdfDiscrete;
+use direkt::low_level::reference::light::environment::{
     bilinear_texels, direction_from_map, map_from_direction, pdf_environment_cell, row_depth,
     row_height, sample_environment_cell,
 };

@@ -3,9 +3,9 @@
 use crate::support::random::Random;
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, lambert, prepared_for, scene};
-use direkt::effects::Effect;
-use direkt::reference::light::opacity::light_opacity;
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::reference::light::opacity::light_opacity;
+use direkt::low_level::reference::scene::fetch::World;
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{Emission, Geometry, LightSelection, MaterialId, Opacity, Scene, Strategy};
 use glam::{DMat3, DVec3};
@@ -96,14 +96,14 @@ fn light_samples_find_the_twins_part() {
     let mut random = Random::new(73);
     let mut cases = Vec::new();
     for index in 0..prepared.emitters.lights.len() as u32 {
-        let direkt::emitters::Emitter::Area { primitive, .. } =
+        let direkt::low_level::emitters::Emitter::Area { primitive, .. } =
             prepared.emitters.lights[index as usize]
         else {
             continue;
         };
         for _ in 0..2000 {
             let (s, t) = (random.between(0.01, 0.49), random.between(0.01, 0.49));
-            use direkt::accel::PrimitiveGeometry as Shape;
+            use direkt::low_level::accel::PrimitiveGeometry as Shape;
             let (y, normal) = match prepared.data.primitives[primitive as usize].geometry {
                 Shape::Triangle { a, u, v }
                 | Shape::Rectangle { a, u, v }

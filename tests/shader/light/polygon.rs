@@ -3,11 +3,11 @@
 use crate::support::random::numbers;
 use crate::support::shader::{Answers, Function, call, words};
 use crate::support::{context, edge_points, histogram, statistics};
-use direkt::gpu::Context;
-use direkt::reference::BrokenTwin;
-use direkt::reference::broken::BROKEN_TWINS;
-use direkt::reference::exact::polygon::polygon_factor;
-use direkt::reference::light::polygon::{
+use direkt::low_level::gpu::Context;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::broken::BROKEN_TWINS;
+use direkt::low_level::reference::exact::polygon::polygon_factor;
+use direkt::low_level::reference::light::polygon::{
     invert_projected_polygon, project_polygon, sample_projected_polygon,
 };
 use glam::{DVec2, DVec3};

@@ -6,8 +6,8 @@ use crate::support::random::Random;
 use crate::support::rounding::{U, assert_integrates_to_one, assert_near};
 use crate::support::shader::{Function, call, draw, words};
 use crate::support::{context, edge_points, histogram, statistics};
-use direkt::reference::BrokenTwin;
-use direkt::reference::light::rectangle::{pdf_rectangle_area, sample_rectangle_area};
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::light::rectangle::{pdf_rectangle_area, sample_rectangle_area};
 use glam::DVec2;
 
 /// The map is the identity: bit for bit the twin's, and its own inverse.

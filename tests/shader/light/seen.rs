@@ -3,7 +3,7 @@
 
 use crate::support::random::{Random, numbers, rounded};
 use crate::support::rounding::U;
-use direkt::reference::exact::solid_angle::polygon_solid_angle;
+use direkt::low_level::reference::exact::solid_angle::polygon_solid_angle;
 use glam::{DVec2, DVec3};
 
 /// The points a, a + u and a + v, and for a parallelogram a + u + v, seen from x. All are numbers of f32, edges beginning

@@ -4,8 +4,8 @@ use crate::support::random::{Random, rounded};
 use crate::support::rounding::{U, assert_all_near, assert_integrates_to_one, assert_near};
 use crate::support::shader::{Function, call, draw, words};
 use crate::support::{context, edge_points, histogram, statistics};
-use direkt::reference::BrokenTwin;
-use direkt::reference::light::sphere::{
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::light::sphere::{
     distance_within_sphere, pdf_sphere_area, sample_sphere_area, within_sphere,
 };
 use glam::{DVec2, DVec3};

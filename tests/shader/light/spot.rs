@@ -4,7 +4,7 @@ use crate::support::context;
 use crate::support::random::Random;
 use crate::support::rounding::{U, assert_near};
 use crate::support::shader::{Function, call, words};
-use direkt::reference::light::spot::spot_falloff;
+use direkt::low_level::reference::light::spot::spot_falloff;
 
 const FALLOFF: Function<'_> = Function {
     imports: "import package::light::spot::spot_falloff;",

@@ -4,15 +4,15 @@ use crate::support::random::Random;
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, floor_pixel, histogram, prepared_for, statistics};
-use direkt::emitters::Emitter;
-use direkt::prepare::Prepared;
-use direkt::reference::BrokenTwin;
-use direkt::reference::core::frame::{frame_from_normal, to_local};
-use direkt::reference::core::pdf::PdfDiscrete;
-use direkt::reference::light::sun::{
+use direkt::low_level::emitters::Emitter;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::core::frame::{frame_from_normal, to_local};
+use direkt::low_level::reference::core::pdf::PdfDiscrete;
+use direkt::low_level::reference::light::sun::{
     pdf_sun, sample_sun, sun_height, sun_margin, suns, suns_radiance,
 };
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::reference::scene::fetch::World;
 use direkt::scene::{Light, LightSelection, Strategy, SunLight};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -36,8 +36,8 @@ fn prepared() -> Prepared {
 }
 
 const IMPORTS: &str = "import package::core::frame::frame_from_normal;
-    import package::light::alias_table::Choice;
-    import package::core::pdf::PdfDiscrete;
+    import package::light::sample::LightChoice;
+    import package::core::pdf::ExpectedSamples;
     import package::light::light::sample_chosen_light;
     import package::light::sun::{pdf_sun, suns_radiance};
     import package::scene::fetch::fetch_light;";
@@ -52,7 +52,7 @@ fn sun_samples_are_the_twins() {
         imports: IMPORTS,
         body: "let light = fetch_light(in_u32(0u));
                let facing = frame_from_normal(vec3f(0.0, 0.0, 1.0));
-               let choice = Choice(in_u32(0u), PdfDiscrete(light.selection));
+               let choice = LightChoice(in_u32(0u), light.expected_samples);
                let s = sample_chosen_light(choice, vec3f(0.0), facing, in_vec2f(1u), 0u);
                out_vec3f(0u, s.wi);
                out_f32(3u, s.pdf.value);
@@ -114,7 +114,7 @@ fn sun_samples_follow_their_density() {
         body:
             "let light = fetch_light(in_u32(0u));
                let facing = frame_from_normal(vec3f(0.0, 0.0, 1.0));
-               let choice = Choice(in_u32(0u), PdfDiscrete(light.selection));
+               let choice = LightChoice(in_u32(0u), light.expected_samples);
                out_vec3f(0u, sample_chosen_light(choice, vec3f(0.0), facing, in_vec2f(1u), 0u).wi);",
         inputs: 3,
         outputs: 3,

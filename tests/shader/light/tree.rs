@@ -4,12 +4,12 @@ use crate::support::every_kind::{constant_environment, every_kind};
 use crate::support::random::{Random, rounded};
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, emitter, floor_pixel, point_light, prepared_for};
-use direkt::accel::PrimitiveGeometry;
-use direkt::emitters::{Emitter, LightTree, Selection};
-use direkt::prepare::Prepared;
-use direkt::reference::core::pdf::PdfDiscrete;
-use direkt::reference::light::ellipsoid::Ellipsoid;
-use direkt::reference::light::tree::{
+use direkt::low_level::accel::PrimitiveGeometry;
+use direkt::low_level::emitters::{Emitter, LightTree, Selection};
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::core::pdf::PdfDiscrete;
+use direkt::low_level::reference::light::ellipsoid::Ellipsoid;
+use direkt::low_level::reference::light::tree::{
     TreeChild, TreeWalk, cosine_bound, decode_axis, decode_child, tree_importance,
 };
 use direkt::scene::{
@@ -20,7 +20,7 @@ use glam::DVec3;
 mod choice;
 
 const IMPORTS: &str = "import package::light::tree::{
-        TreeWalk, choose_tree_light, cosine_bound, decode_axis, decode_child, pdf_tree_light, subtract_angle, tree_choice,
+        TreeWalk, choose_tree_light, cosine_bound, decode_axis, decode_child, samples_of_tree_light, subtract_angle, tree_choice,
         tree_importance, tree_samples, walk_left};
     import package::core::pdf::PdfDiscrete;
     import package::core::rng::pcg4d;

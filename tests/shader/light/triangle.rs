@@ -6,8 +6,8 @@ use crate::support::random::Random;
 use crate::support::rounding::{U, assert_integrates_to_one, assert_near};
 use crate::support::shader::{Function, call, draw, words};
 use crate::support::{context, edge_points, histogram, statistics};
-use direkt::reference::BrokenTwin;
-use direkt::reference::light::triangle::{
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::light::triangle::{
     invert_triangle_area as invert, pdf_triangle_area, sample_triangle_area,
 };
 use glam::DVec2;

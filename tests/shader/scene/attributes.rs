@@ -4,10 +4,10 @@ use crate::support::context;
 use crate::support::random::Random;
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, call, call_in, words};
-use direkt::reference::scene::attributes::{
+use direkt::low_level::reference::scene::attributes::{
     interpolate_color, interpolate_normal, map_normal, seen_normal, terminator_offset, uvs_of,
 };
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::reference::scene::fetch::World;
 use glam::{DVec2, DVec3, DVec4};
 
 /// A triangle with vertex normals and texture coordinates, a point of it, a value of a normal map and a view.

@@ -5,8 +5,8 @@ use super::prepared;
 use crate::support::context;
 use crate::support::every_kind::{environment_map, every_kind};
 use crate::support::shader::{Function, call_in};
-use direkt::gpu::layout::MATERIAL_WORDS;
-use direkt::gpu::{GpuScene, SceneBuffers, frame_of};
+use direkt::low_level::gpu::layout::MATERIAL_WORDS;
+use direkt::low_level::gpu::{GpuScene, SceneBuffers, frame_of};
 use direkt::scene::EnvironmentRadiance;
 use direkt::scene::environment::Interpolation;
 
@@ -24,7 +24,7 @@ fn the_frame_is_the_hosts() {
                out_vec3f(20u, frame.grid_scale); out_u32(23u, frame.light_count);
                out_vec3f(24u, frame.environment_x); out_u32(27u, frame.environment_width);
                out_vec3f(28u, frame.environment_y); out_u32(31u, frame.environment_height);
-               out_vec3f(32u, frame.environment_z); out_f32(35u, frame.environment_selection);
+               out_vec3f(32u, frame.environment_z); out_f32(35u, frame.environment_samples);
                out_vec3f(36u, frame.environment_radiance); out_f32(39u, frame.far);
                out_u32(40u, frame.environment_grid.x); out_u32(41u, frame.environment_grid.y);",
         outputs: 42,

@@ -4,16 +4,16 @@ use super::{every, prepared};
 use crate::support::random::rounded;
 use crate::support::shader::{Answers, Function, call_in};
 use crate::support::{context, floor_pixel};
-use direkt::accel::PrimitiveGeometry;
-use direkt::emitters::Emitter;
-use direkt::gpu::layout::{
+use direkt::low_level::accel::PrimitiveGeometry;
+use direkt::low_level::emitters::Emitter;
+use direkt::low_level::gpu::layout::{
     FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK, KIND_DISK,
     KIND_ELLIPSOID, KIND_RECTANGLE, KIND_SPHERE, KIND_TRIANGLE, LIGHT_DISK, LIGHT_ENVIRONMENT,
     LIGHT_RECTANGLE, LIGHT_SPHERE, LIGHT_TRIANGLE, NONE, THIN_BIT,
 };
-use direkt::prepare::Prepared;
-use direkt::reference::light::sun::{sun_height, sun_radiance};
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::light::sun::{sun_height, sun_radiance};
+use direkt::low_level::reference::scene::fetch::World;
 use direkt::scene::lights::{LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPOT, LIGHT_SUN};
 use direkt::scene::material::Fresnel;
 use direkt::scene::{DirectionalLight, Light, PointLight, SpotLight};
@@ -182,7 +182,7 @@ fn lights_come_back() {
     let prepared = every();
     let body = "let l = fetch_light(item);
                 out_vec3f(0u, l.a); out_vec3f(3u, l.u); out_vec3f(6u, l.v); out_vec3f(9u, l.radiance);
-                out_u32(12u, l.kind); out_bool(13u, l.two_sided); out_f32(14u, l.selection); out_f32(15u, l.area);
+                out_u32(12u, l.kind); out_bool(13u, l.two_sided); out_f32(14u, l.expected_samples.value); out_f32(15u, l.area);
                 out_bool(16u, l.skewed);";
     let lights = &prepared.emitters.lights;
     let answers = fetched(&prepared, body, 17, lights.len());

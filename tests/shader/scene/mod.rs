@@ -10,7 +10,7 @@ mod trace;
 
 use crate::support::every_kind::{constant_environment, every_kind};
 use crate::support::prepared_for;
-use direkt::prepare::Prepared;
+use direkt::low_level::prepare::Prepared;
 use direkt::scene::{LightSelection, Scene, Strategy};
 
 /// `scene` with everything compiled in that it calls for.

@@ -6,18 +6,18 @@ use crate::support::random::{Random, rounded};
 use crate::support::shader::{Function, call, call_in, words};
 use crate::support::statistics::{accept, reject};
 use crate::support::{context, scene, shape};
-use direkt::gpu::layout::NONE;
-use direkt::prepare::Prepared;
-use direkt::reference::Twin;
-use direkt::reference::core::ray::{Hit, Ray};
-use direkt::reference::core::sampler::SampleId;
-use direkt::reference::scene::fetch::World;
-use direkt::reference::scene::opacity::{
+use direkt::low_level::gpu::layout::NONE;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::Twin;
+use direkt::low_level::reference::core::ray::{Hit, Ray};
+use direkt::low_level::reference::core::sampler::SampleId;
+use direkt::low_level::reference::scene::fetch::World;
+use direkt::low_level::reference::scene::opacity::{
     CROSSING_FIRST, CROSSING_SECOND, Crossings, RAY_BSDF, RAY_CAMERA, RAY_SHADOW, opacity_at,
 };
-use direkt::reference::scene::trace::{any_hit, closest_hit, stop_at_primitive};
+use direkt::low_level::reference::scene::trace::{any_hit, closest_hit, stop_at_primitive};
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::{Geometry, Mesh};
-use direkt::stats::z_test::z_test;
 use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;
 

@@ -3,8 +3,8 @@
 use crate::support::context;
 use crate::support::random::Random;
 use crate::support::shader::{Function, call, words};
-use direkt::gpu::layout::NEAREST_BIT;
-use direkt::reference::scene::texture::{footprint, wrap_coordinate, wrap_texel};
+use direkt::low_level::gpu::layout::NEAREST_BIT;
+use direkt::low_level::reference::scene::texture::{footprint, wrap_coordinate, wrap_texel};
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{TextureId, TextureUse, Wrap};
 use glam::{DAffine2, DMat2, DVec2};

@@ -6,16 +6,18 @@ use crate::support::random::{numbers, rounded};
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, scene};
-use direkt::accel::PrimitiveGeometry;
-use direkt::gpu::layout::NONE;
-use direkt::reference::Twin;
-use direkt::reference::core::ray::{Hit, Ray};
-use direkt::reference::core::ray_ellipsoid::ellipsoid_normal;
-use direkt::reference::light::ellipsoid::Ellipsoid;
-use direkt::reference::light::sphere::sample_sphere_area;
-use direkt::reference::scene::fetch::World;
-use direkt::reference::scene::opacity::Crossings;
-use direkt::reference::scene::trace::{any_hit, closest_hit, intersect_primitive, may_meet_light};
+use direkt::low_level::accel::PrimitiveGeometry;
+use direkt::low_level::gpu::layout::NONE;
+use direkt::low_level::reference::Twin;
+use direkt::low_level::reference::core::ray::{Hit, Ray};
+use direkt::low_level::reference::core::ray_ellipsoid::ellipsoid_normal;
+use direkt::low_level::reference::light::ellipsoid::Ellipsoid;
+use direkt::low_level::reference::light::sphere::sample_sphere_area;
+use direkt::low_level::reference::scene::fetch::World;
+use direkt::low_level::reference::scene::opacity::Crossings;
+use direkt::low_level::reference::scene::trace::{
+    any_hit, closest_hit, intersect_primitive, may_meet_light,
+};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 

@@ -1,11 +1,11 @@
 //! A render in progress, shown elsewhere: in files that are written again and again, and in the viewer tev.
 
 use crate::outputs::OutputArguments;
-use direkt::console::say;
 use direkt::error::{Error, GpuError, number};
-use direkt::output;
-use direkt::render::passes::duration;
-use direkt::render::{Film, Session};
+use direkt::low_level::console::say;
+use direkt::low_level::output;
+use direkt::low_level::render::passes::duration;
+use direkt::low_level::render::{Film, Session};
 use direkt::scene::Scene;
 use std::net::TcpStream;
 use std::time::{Duration, Instant};

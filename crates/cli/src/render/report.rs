@@ -1,10 +1,10 @@
 //! What a render tells: on stderr, as JSON and in the attributes of an EXR.
 
 use super::Rendered;
-use direkt::gpu::AdapterFacts;
-use direkt::prepare::Prepared;
-use direkt::render::{Check, ImageError, Ledger, RayCounts, StoppedBy};
-use direkt::scene::{Aovs, LightSampling, LightSelection, Sampler, ShadowPattern, Strategy};
+use direkt::low_level::gpu::AdapterFacts;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::render::{Check, Ledger, RayCounts, RelMse, StoppedBy};
+use direkt::scene::{Aovs, EstimatorSettings};
 use serde::Serialize;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -20,7 +20,6 @@ pub(super) struct Report {
     spp: u64,
     /// Fewest and most samples of a pixel.
     samples: [u64; 2],
-    adaptive: bool,
     passes: u64,
     /// What ended it.
     pub(super) stopped_by: StoppedBy,
@@ -28,17 +27,12 @@ pub(super) struct Report {
     rays: RayCounts,
     samples_per_second: f64,
     rays_per_second: f64,
-    error: Option<ImageError>,
+    error: Option<RelMse>,
     pub(super) non_finite: Ledger,
     effects: Vec<EffectReport>,
-    strategy: Strategy,
-    light_selection: LightSelection,
-    light_sampling: LightSampling,
-    mis_compensation: bool,
-    shadow_rays: u32,
-    shadow_pattern: ShadowPattern,
+    #[serde(flatten)]
+    estimator: EstimatorSettings,
     biased: Option<String>,
-    sampler: Sampler,
     seed: u32,
     aovs: Aovs,
     light_groups: Vec<String>,
@@ -83,7 +77,6 @@ pub(super) fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds)
         height: film.size.height,
         spp: film.mean_samples(),
         samples: film.sample_range().into(),
-        adaptive: settings.adaptive,
         passes: progressed.passes,
         stopped_by: progressed.stopped_by,
         samples_per_second: rays.camera as f64 / seconds.render,
@@ -93,14 +86,8 @@ pub(super) fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds)
         error: film.error(),
         non_finite: film.ledger,
         effects: effect_reports(prepared),
-        strategy: settings.strategy,
-        light_selection: settings.light_selection,
-        light_sampling: settings.light_sampling,
-        mis_compensation: settings.mis_compensation,
-        shadow_rays: settings.shadow_rays,
-        shadow_pattern: settings.shadow_pattern,
+        estimator: settings.estimator,
         biased: prepared.bias(),
-        sampler: settings.sampler,
         seed: settings.seed,
         aovs: settings.aovs,
         light_groups: prepared.emitters.groups.names.clone(),
@@ -163,7 +150,7 @@ pub(super) fn summary(files: &[&Path], report: &Report) -> String {
 
 /// What was dropped.
 pub(super) fn ledger_sentence(ledger: &Ledger) -> String {
-    let first = |kind: &str, bad: Option<direkt::render::FirstBad>| {
+    let first = |kind: &str, bad: Option<direkt::low_level::render::FirstBad>| {
         bad.map_or_else(String::new, |b| {
             format!(
                 "; first {kind} at pixel ({}, {}), sample {}",

@@ -1,7 +1,7 @@
 //! The film of a render against the mean of the same samples, recorded one by one and summed in f64.
 
 use super::per_pixel::Accumulator;
-use direkt::render::Film;
+use direkt::low_level::render::Film;
 use glam::DVec3;
 use serde::Serialize;
 

@@ -1,6 +1,6 @@
 //! Why a sample differs, as far as its conditions tell.
 
-use direkt::reference::Sample;
+use direkt::low_level::reference::Sample;
 
 /// Differences below this need no reason: a few hundred roundings of an f32.
 const UNREMARKABLE: f64 = 1e-4;

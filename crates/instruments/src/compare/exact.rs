@@ -5,12 +5,12 @@
 
 use super::per_pixel::ROUNDING;
 use super::{EXACT_FAMILY, radiance};
-use direkt::gpu::layout::SampleRecord;
-use direkt::reference::Twin;
-use direkt::reference::exact::cubature::Estimate;
-use direkt::reference::exact::scene::{ExactScene, NotExact};
-use direkt::stats::moments::Moments;
-use direkt::stats::z_test::z_test;
+use direkt::low_level::gpu::layout::SampleRecord;
+use direkt::low_level::reference::Twin;
+use direkt::low_level::reference::exact::cubature::Estimate;
+use direkt::low_level::reference::exact::scene::{ExactScene, NotExact};
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::z_test::z_test;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;

@@ -15,16 +15,16 @@ pub mod whole_image;
 
 use accumulation::Accumulation;
 use direkt::error::GpuError;
-use direkt::gpu::Context;
-use direkt::gpu::layout::SampleRecord;
-use direkt::gpu::recorder::Recorder;
-use direkt::prepare::Prepared;
-use direkt::reference::exact::scene::NotExact;
-use direkt::reference::{BrokenTwin, Sample, Twin};
-use direkt::render::Session;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::gpu::layout::SampleRecord;
+use direkt::low_level::gpu::recorder::Recorder;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::exact::scene::NotExact;
+use direkt::low_level::reference::{BrokenTwin, Sample, Twin};
+use direkt::low_level::render::Session;
+use direkt::low_level::stats::sidak::{FAMILY_LEVEL, Family};
+use direkt::low_level::stats::symmetric::minimum_pairs;
 use direkt::scene::FilmSize;
-use direkt::stats::sidak::{FAMILY_LEVEL, Family};
-use direkt::stats::symmetric::minimum_pairs;
 use exact::Exact;
 use glam::DVec3;
 use per_pixel::PerPixel;
@@ -203,8 +203,8 @@ fn radiance(record: &SampleRecord) -> DVec3 {
 /// Whether GPU and twin agree about what reached the surface: the same primitives, and light found by as many shadow
 /// rays. Samples to which no light came agree, whether or not one of them traced a shadow ray to find out.
 fn flip(gpu: &SampleRecord, twin: &Sample) -> Option<per_sample::Flip> {
-    use direkt::gpu::layout::{NONE, NOT_TRACED};
-    use direkt::reference::BsdfRay;
+    use direkt::low_level::gpu::layout::{NONE, NOT_TRACED};
+    use direkt::low_level::reference::BsdfRay;
     use per_sample::Flip;
     let bsdf = match twin.path.bsdf {
         BsdfRay::NotTraced => NOT_TRACED,
@@ -227,8 +227,8 @@ fn flip(gpu: &SampleRecord, twin: &Sample) -> Option<per_sample::Flip> {
 mod tests {
     use super::per_sample::Flip;
     use super::*;
-    use direkt::gpu::layout::{NONE, NOT_TRACED, SHADOW_CLEAR, SHADOW_TRACED};
-    use direkt::reference::{BsdfRay, Path, Shadow};
+    use direkt::low_level::gpu::layout::{NONE, NOT_TRACED, SHADOW_CLEAR, SHADOW_TRACED};
+    use direkt::low_level::reference::{BsdfRay, Path, Shadow};
 
     #[test]
     fn shadow_rays_flip_one_by_one() {

@@ -2,14 +2,14 @@
 //!
 //! Sample i of the GPU and sample i of the twin make a pair. If both estimate alike, the difference of a pair is
 //! symmetric about zero, whatever the distribution of radiance, and t = Σd/√Σd² is at least as unlikely to be large as
-//! [`stats::symmetric`](direkt::stats::symmetric) says: heavy tails raise no false alarm. For many well-behaved
+//! [`stats::symmetric`](direkt::low_level::stats::symmetric) says: heavy tails raise no false alarm. For many well-behaved
 //! samples t is the z-score of the difference.
 
 use super::{PixelComparison, pixel_family, radiance};
-use direkt::gpu::layout::SampleRecord;
-use direkt::reference::Sample;
+use direkt::low_level::gpu::layout::SampleRecord;
+use direkt::low_level::reference::Sample;
+use direkt::low_level::stats::pairs::PairSum;
 use direkt::scene::FilmSize;
-use direkt::stats::pairs::PairSum;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -206,7 +206,7 @@ fn histogram(t: &[f64]) -> Vec<Bin> {
     let below = |edge: usize| match edge {
         0 => 0.0,
         BINS => 1.0,
-        _ => direkt::stats::normal_below(edge as f64 * width - HALF_RANGE),
+        _ => direkt::low_level::stats::normal_below(edge as f64 * width - HALF_RANGE),
     };
     let bin = |i: usize| Bin {
         t: (i as f64 + 0.5) * width - HALF_RANGE,

@@ -9,8 +9,8 @@
 
 use super::per_pixel::Accumulator as Means;
 use super::{cause, flip, radiance};
-use direkt::gpu::layout::SampleRecord;
-use direkt::reference::{Sample, Twin};
+use direkt::low_level::gpu::layout::SampleRecord;
+use direkt::low_level::reference::{Sample, Twin};
 use direkt::scene::FilmSize;
 use glam::{DVec2, DVec3};
 use serde::Serialize;

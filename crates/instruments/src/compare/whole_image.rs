@@ -2,7 +2,7 @@
 
 use super::IMAGE_FAMILY;
 use super::per_pixel::{Accumulator, ROUNDING};
-use direkt::stats::pairs::PairSum;
+use direkt::low_level::stats::pairs::PairSum;
 use serde::Serialize;
 
 /// How a channel of the image's mean compares.

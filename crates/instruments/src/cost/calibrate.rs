@@ -8,15 +8,15 @@
 
 use super::Progress;
 use super::estimator::{self, Estimator};
-use super::halt::Halt;
+use super::interrupted::Interrupted;
 use super::reference::Reference;
 use super::runner::{Runner, Seeds, prepare};
 use direkt::error::Error;
-use direkt::gpu::Context;
-use direkt::prepare::SceneData;
-use direkt::render::{ErrorGoal, Film, ImageError};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::SceneData;
+use direkt::low_level::render::{ErrorGoal, Film, RelMse};
+use direkt::low_level::stats::moments::Moments;
 use direkt::scene::Scene;
-use direkt::stats::moments::Moments;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -98,7 +98,7 @@ pub fn calibrate(
     let data = Arc::new(SceneData::new(scene.clone()));
     for &estimator in &settings.estimators {
         let prepared = prepare(scene, &data, estimator)?;
-        if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
+        if let Some(reason) = estimator::why_not(estimator.settings.strategy, &prepared.emitters) {
             let source = scene.source.display();
             return Err(Error::Usage(format!("{source}: {estimator}: {reason}")));
         }
@@ -106,8 +106,8 @@ pub fn calibrate(
         let mut runner = Runner::new(context, prepared, scene.film, estimator, None)?;
         match one(scene, &mut runner, settings, progress, stop) {
             Ok(calibration) => calibrations.push(calibration),
-            Err(Halt::Stopped) => break,
-            Err(Halt::Failed(error)) => return Err(error),
+            Err(Interrupted::Stopped) => break,
+            Err(Interrupted::Failed(error)) => return Err(error),
         }
     }
     Ok(calibrations)
@@ -116,7 +116,7 @@ pub fn calibrate(
 /// An image with what it reports.
 struct Image {
     mean: Vec<[f32; 3]>,
-    reported: ImageError,
+    reported: RelMse,
 }
 
 fn one(
@@ -125,7 +125,7 @@ fn one(
     settings: &Settings,
     progress: Progress<'_>,
     stop: &dyn Fn() -> bool,
-) -> Result<Calibration, Halt> {
+) -> Result<Calibration, Interrupted> {
     let estimator = runner.estimator;
     let mut seeds = Seeds::new(settings.seed);
     let images = f64::from(settings.images);
@@ -293,12 +293,12 @@ fn fraction(hits: impl Iterator<Item = bool>) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use direkt::stats::testing::Stream;
+    use direkt::low_level::stats::testing::Stream;
 
     /// Images of a ramp with normal errors of 10 %.
     fn images(count: usize) -> Vec<Image> {
         let mut stream = Stream::new(9);
-        let reported = ImageError {
+        let reported = RelMse {
             rel_mse: 0.01,
             rel_mse_low: 0.0,
             rel_mse_high: 1.0,

@@ -1,14 +1,15 @@
 //! Which estimators are measured on a scene, compiled.
 
 use super::Progress;
+use super::budget::Work;
+use super::effects::Compiled;
 use super::estimator::{self, Estimator, NotApplicable};
-use super::halt::Halt;
+use super::interrupted::Interrupted;
 use super::runner::{Runner, prepare};
-use super::schedule::Work;
 use direkt::error::Error;
-use direkt::gpu::Context;
-use direkt::prepare::{Prepared, SceneData};
-use direkt::scene::{RenderSettings, Sampler, Scene, Strategy};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::{Prepared, SceneData};
+use direkt::scene::{EstimatorSettings, Sampler, Scene, Strategy};
 use std::sync::Arc;
 
 impl<'a> Work<'a, '_> {
@@ -18,12 +19,12 @@ impl<'a> Work<'a, '_> {
         context: &'a Context,
         own_reference: bool,
         progress: Progress<'_>,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), Interrupted> {
         let (scene, settings) = (self.scene, self.settings);
         let mut compiled = Vec::new();
         for &estimator in &settings.estimators {
             if (self.stop)() {
-                return Err(Halt::Stopped);
+                return Err(Interrupted::Stopped);
             }
             // What the scene cannot use without further effects it cannot use with them.
             let called_for = estimator.as_called_for();
@@ -61,11 +62,18 @@ impl<'a> Work<'a, '_> {
             .into());
         }
         if own_reference {
+            let usual = EstimatorSettings::default();
             let estimator = Estimator {
-                strategy: Strategy::MisPower,
-                light_selection: settings.estimators[0].light_selection,
-                sampler: Sampler::Sobol,
-                ..Estimator::of(&RenderSettings::default())
+                settings: EstimatorSettings {
+                    strategy: Strategy::MisPower,
+                    light_selection: settings.estimators[0].settings.light_selection,
+                    light_sampling: usual.light_sampling,
+                    shadow_rays: usual.shadow_rays,
+                    shadow_pattern: usual.shadow_pattern,
+                    sampler: Sampler::Sobol,
+                    ..scene.render.estimator
+                },
+                effects: Compiled::CalledFor,
             };
             progress("compiling the reference", 0.0);
             let prepared = prepare(scene, &self.data, estimator).map_err(Error::from)?;
@@ -85,7 +93,7 @@ fn usable(
 ) -> Result<Prepared, String> {
     let prepared = prepare(scene, data, estimator)
         .map_err(|e| format!("{}: {}; expected {}", e.field, e.problem, e.expected))?;
-    if let Some(reason) = estimator::why_not(estimator.strategy, &prepared.emitters) {
+    if let Some(reason) = estimator::why_not(estimator.settings.strategy, &prepared.emitters) {
         return Err(reason);
     }
     if let Some(reason) = estimator.effects.why_not(&prepared.effects) {

@@ -4,8 +4,8 @@
 //! time. Both are measured: estimators that differ in nothing else have the same random numbers, and their images are compared.
 
 use super::interval::Interval;
-use direkt::effects::{Effect, Effects};
-use direkt::render::{Film, Pixel};
+use direkt::low_level::effects::{Effect, Effects};
+use direkt::low_level::render::{Film, Pixel};
 use serde::{Serialize, Serializer};
 
 /// Effects that an estimator is compiled with.

@@ -15,7 +15,7 @@
 
 use super::interval::{Interval, student_95};
 use super::reference::Reference;
-use direkt::render::{Film, tile_sums};
+use direkt::low_level::render::{Film, tile_sums};
 use direkt::scene::{FilmSize, Sampler};
 use rayon::prelude::*;
 
@@ -41,7 +41,7 @@ pub struct Errors {
 
 /// Error of the images of one estimator at one number of samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ImageError {
+pub struct MeasuredError {
     /// Mean squared error.
     pub mse: Interval,
     /// Relative mean squared error.
@@ -80,13 +80,13 @@ impl Errors {
     }
 
     /// The error of the images so far, `reference`'s own subtracted. There have to be two replicates.
-    pub fn finish(&self, reference: &Reference) -> ImageError {
+    pub fn finish(&self, reference: &Reference) -> MeasuredError {
         assert!(self.replicates > 1, "one replicate has no spread");
         let of = |k: usize| {
             let own = reference.own_error();
             self.interval(k, own.value[k], own.standard_error[k])
         };
-        ImageError {
+        MeasuredError {
             mse: of(0),
             rel_mse: of(1),
         }
@@ -149,7 +149,7 @@ pub fn rel_mse(film: &Film, reference: &Reference) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use direkt::stats::testing::Stream;
+    use direkt::low_level::stats::testing::Stream;
 
     const SIZE: FilmSize = FilmSize {
         width: 40,

@@ -1,29 +1,21 @@
 //! Which estimators are compared on a scene.
 
 use super::effects::Compiled;
-use direkt::effects::Effect;
-use direkt::emitters::{Emitter, Emitters};
-use direkt::prepare::Prepared;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::emitters::{Emitter, Emitters};
+use direkt::low_level::prepare::Prepared;
 use direkt::scene::{
-    LightSampling, LightSelection, RenderSettings, Sampler, ShadowPattern, Strategy,
+    EstimatorSettings, LightSampling, LightSelection, RenderSettings, Sampler, ShadowPattern,
+    Strategy,
 };
 use serde::Serialize;
 
 /// One way to estimate direct lighting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Estimator {
-    /// How directions are chosen.
-    pub strategy: Strategy,
-    /// How a point of a chosen light is chosen, where the strategy does not say.
-    pub light_sampling: LightSampling,
-    /// How one of several lights is chosen.
-    pub light_selection: LightSelection,
-    /// Shadow rays per camera ray, with light selection `all` per light.
-    pub shadow_rays: u32,
-    /// Where on the lights their points lie.
-    pub shadow_pattern: ShadowPattern,
-    /// How random numbers are made.
-    pub sampler: Sampler,
+    /// Its settings.
+    #[serde(flatten)]
+    pub settings: EstimatorSettings,
     /// The effects that it is compiled with.
     pub effects: Compiled,
 }
@@ -32,12 +24,7 @@ impl Estimator {
     /// The one of `settings`.
     pub fn of(settings: &RenderSettings) -> Self {
         Self {
-            strategy: settings.strategy,
-            light_sampling: settings.light_sampling,
-            light_selection: settings.light_selection,
-            shadow_rays: settings.shadow_rays,
-            shadow_pattern: settings.shadow_pattern,
-            sampler: settings.sampler,
+            settings: settings.estimator,
             effects: Compiled::CalledFor,
         }
     }
@@ -54,32 +41,29 @@ impl Estimator {
     /// default.
     pub fn effective(self, prepared: &Prepared) -> Self {
         let calls_for = |effect| prepared.effects.contains(effect);
-        let by_table = match self.light_selection {
+        let mut settings = self.settings;
+        let by_table = match settings.light_selection {
             LightSelection::Tree => LightSelection::Uniform,
             other => other,
         };
-        Self {
-            light_selection: if calls_for(Effect::AllLights) || calls_for(Effect::LightTree) {
-                self.light_selection
-            } else if calls_for(Effect::LightChoice) {
-                by_table
-            } else {
-                LightSelection::default()
-            },
-            light_sampling: if self.strategy.is_mis() {
-                self.light_sampling
-            } else {
-                LightSampling::default()
-            },
-            shadow_rays: prepared.shadow_rays(),
-            shadow_pattern: prepared.shadow_pattern(),
-            ..self
+        settings.light_selection = if calls_for(Effect::AllLights) || calls_for(Effect::LightTree) {
+            settings.light_selection
+        } else if calls_for(Effect::LightChoice) {
+            by_table
+        } else {
+            LightSelection::default()
+        };
+        if !settings.strategy.is_mis() {
+            settings.light_sampling = LightSampling::default();
         }
+        settings.shadow_rays = prepared.shadow_rays();
+        settings.shadow_pattern = prepared.shadow_pattern();
+        Self { settings, ..self }
     }
 
     /// Its name with light selection, shadow rays and their pattern, and effects, each where `told`.
-    fn name(&self, told: Told) -> String {
-        let mut name = format!("{} · {}", self.strategy, self.sampler);
+    fn name(&self, told: LabelParts) -> String {
+        let mut name = format!("{} · {}", self.settings.strategy, self.settings.sampler);
         let mut tell = |told: bool, what: String| {
             if told {
                 name.push_str(" · ");
@@ -87,13 +71,20 @@ impl Estimator {
             }
         };
         tell(
-            told.sampling && self.strategy.is_mis(),
-            self.light_sampling.to_string(),
+            told.sampling && self.settings.strategy.is_mis(),
+            self.settings.light_sampling.to_string(),
         );
-        tell(told.selection, self.light_selection.to_string());
-        let plural = if self.shadow_rays == 1 { "" } else { "s" };
-        tell(told.rays, format!("{} ray{plural}", self.shadow_rays));
-        tell(told.pattern, self.shadow_pattern.to_string());
+        tell(told.selection, self.settings.light_selection.to_string());
+        let plural = if self.settings.shadow_rays == 1 {
+            ""
+        } else {
+            "s"
+        };
+        tell(
+            told.rays,
+            format!("{} ray{plural}", self.settings.shadow_rays),
+        );
+        tell(told.pattern, self.settings.shadow_pattern.to_string());
         tell(told.effects, self.effects.to_string());
         name
     }
@@ -102,11 +93,11 @@ impl Estimator {
 /// The whole name, without the shadow rays and effects where there is nothing to say of them.
 impl std::fmt::Display for Estimator {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let told = Told {
-            sampling: self.light_sampling != LightSampling::default(),
+        let told = LabelParts {
+            sampling: self.settings.light_sampling != LightSampling::default(),
             selection: true,
-            rays: self.shadow_rays != 1,
-            pattern: self.shadow_pattern != ShadowPattern::Random,
+            rays: self.settings.shadow_rays != 1,
+            pattern: self.settings.shadow_pattern != ShadowPattern::Random,
             effects: self.effects != Compiled::CalledFor,
         };
         f.write_str(&self.name(told))
@@ -115,7 +106,7 @@ impl std::fmt::Display for Estimator {
 
 /// What a name tells besides strategy and sampler.
 #[derive(Debug, Clone, Copy, Default)]
-struct Told {
+struct LabelParts {
     sampling: bool,
     selection: bool,
     rays: bool,
@@ -130,11 +121,11 @@ pub fn names(estimators: &[Estimator]) -> Vec<String> {
         let first = keys.next();
         keys.any(|k| Some(k) != first)
     };
-    let told = Told {
-        sampling: differ(&|e| e.light_sampling as u32),
-        selection: differ(&|e| e.light_selection as u32),
-        rays: differ(&|e| e.shadow_rays),
-        pattern: differ(&|e| e.shadow_pattern as u32),
+    let told = LabelParts {
+        sampling: differ(&|e| e.settings.light_sampling as u32),
+        selection: differ(&|e| e.settings.light_selection as u32),
+        rays: differ(&|e| e.settings.shadow_rays),
+        pattern: differ(&|e| e.settings.shadow_pattern as u32),
         effects: estimators.iter().any(|e| e.effects != Compiled::CalledFor),
     };
     estimators.iter().map(|e| e.name(told)).collect()
@@ -153,6 +144,8 @@ pub struct NotApplicable {
 /// What to combine into estimators.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Choices {
+    /// All that is not varied.
+    pub base: EstimatorSettings,
     /// How directions are chosen.
     pub strategies: Vec<Strategy>,
     /// How a point of a chosen light is chosen, for strategies that do not say.
@@ -173,12 +166,13 @@ impl Choices {
     /// What `settings` say, nothing else.
     pub fn of(settings: &RenderSettings) -> Self {
         Self {
-            strategies: vec![settings.strategy],
-            light_samplings: vec![settings.light_sampling],
-            light_selections: vec![settings.light_selection],
-            shadow_rays: vec![settings.shadow_rays],
-            shadow_patterns: vec![settings.shadow_pattern],
-            samplers: vec![settings.sampler],
+            base: settings.estimator,
+            strategies: vec![settings.estimator.strategy],
+            light_samplings: vec![settings.estimator.light_sampling],
+            light_selections: vec![settings.estimator.light_selection],
+            shadow_rays: vec![settings.estimator.shadow_rays],
+            shadow_patterns: vec![settings.estimator.shadow_pattern],
+            samplers: vec![settings.estimator.sampler],
             effects: vec![Compiled::CalledFor],
         }
     }
@@ -187,21 +181,31 @@ impl Choices {
 /// All combinations, each once. Strategies that say themselves how a point of a light is chosen are combined with the
 /// default alone. Those that differ in their effects alone follow one another.
 pub fn combinations(choices: &Choices) -> Vec<Estimator> {
-    let mut all = vec![Estimator::of(&RenderSettings::default())];
-    vary(&mut all, &choices.strategies, |e, v| e.strategy = v);
+    let mut all = vec![Estimator {
+        settings: EstimatorSettings {
+            light_sampling: LightSampling::default(),
+            ..choices.base
+        },
+        effects: Compiled::CalledFor,
+    }];
+    vary(&mut all, &choices.strategies, |e, v| {
+        e.settings.strategy = v
+    });
     vary(&mut all, &choices.light_samplings, |e, v| {
-        if e.strategy.is_mis() {
-            e.light_sampling = v;
+        if e.settings.strategy.is_mis() {
+            e.settings.light_sampling = v;
         }
     });
     vary(&mut all, &choices.light_selections, |e, v| {
-        e.light_selection = v;
+        e.settings.light_selection = v;
     });
-    vary(&mut all, &choices.shadow_rays, |e, v| e.shadow_rays = v);
+    vary(&mut all, &choices.shadow_rays, |e, v| {
+        e.settings.shadow_rays = v
+    });
     vary(&mut all, &choices.shadow_patterns, |e, v| {
-        e.shadow_pattern = v;
+        e.settings.shadow_pattern = v;
     });
-    vary(&mut all, &choices.samplers, |e, v| e.sampler = v);
+    vary(&mut all, &choices.samplers, |e, v| e.settings.sampler = v);
     vary(&mut all, &choices.effects, |e, v| e.effects = v);
     let mut seen = Vec::new();
     all.retain(|e| {
@@ -227,18 +231,13 @@ fn vary<T: Copy>(all: &mut Vec<Estimator>, values: &[T], set: impl Fn(&mut Estim
 }
 
 /// Why `strategy` is of no use under `emitters`; `None` where it is.
-///
-/// What a strategy does with lights without a surface is told from its name, so that strategies to come need no entry
-/// here: `light-…` and `mis-…` choose points on lights, all others directions, which never meet such a light.
 pub fn why_not(strategy: Strategy, emitters: &Emitters) -> Option<String> {
     let lights = &emitters.lights;
-    let name = strategy.to_string();
-    let samples_lights = name.starts_with("light-") || name.starts_with("mis-");
     let delta = |light: &Emitter| matches!(light, Emitter::Delta(_));
     if lights.is_empty() {
         return Some("the scene has no light: every estimator gives black".to_owned());
     }
-    if !samples_lights && lights.iter().all(delta) {
+    if !strategy.samples_lights() && lights.iter().all(delta) {
         return Some(format!(
             "all {} lights are points or directions, which no sampled direction meets",
             lights.len()

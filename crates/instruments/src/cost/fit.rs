@@ -102,7 +102,7 @@ impl Line {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use direkt::stats::testing::Stream;
+    use direkt::low_level::stats::testing::Stream;
 
     fn points(y: impl Fn(f64) -> f64, sigma: f64) -> Vec<FitPoint> {
         let point = |i: i32| {

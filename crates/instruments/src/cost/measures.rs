@@ -1,9 +1,9 @@
 //! What is told of an estimator: time per sample, slopes, efficiency, time to a target, rank.
 
-use super::error::ImageError;
+use super::error::MeasuredError;
 use super::fit::{FitPoint, Line, Slope};
 use super::interval::{Interval, NORMAL_95, student_95};
-use direkt::stats::moments::Moments;
+use direkt::low_level::stats::moments::Moments;
 use serde::Serialize;
 
 /// The images of one estimator at one number of samples.
@@ -79,7 +79,7 @@ pub fn time_ratio(times: &[Vec<f64>], others: &[Vec<f64>]) -> Interval {
 impl Point {
     /// A point of `seconds` per run, whose logarithms have the standard deviation `spread.0` by `spread.1` degrees of
     /// freedom.
-    pub fn new(samples: u64, seconds: &[f64], spread: (f64, f64), error: ImageError) -> Self {
+    pub fn new(samples: u64, seconds: &[f64], spread: (f64, f64), error: MeasuredError) -> Self {
         let n = seconds.len() as f64;
         let mean = seconds.iter().sum::<f64>() / n;
         let factor = (student_95(spread.1) * spread.0 / n.sqrt()).exp();
@@ -183,9 +183,9 @@ pub fn ranks(
 mod tests {
     use super::*;
 
-    fn error(rel_mse: f64, half: f64) -> ImageError {
+    fn error(rel_mse: f64, half: f64) -> MeasuredError {
         let interval = Interval::around(rel_mse, half);
-        ImageError {
+        MeasuredError {
             mse: interval,
             rel_mse: interval,
         }

@@ -17,18 +17,18 @@
 
 pub mod calibrate;
 mod compile;
-mod conclude;
 pub mod effects;
 pub mod error;
 pub mod estimator;
 pub mod fit;
-pub mod halt;
-pub use direkt::stats::interval;
+pub mod interrupted;
+mod rank;
+pub use direkt::low_level::stats::interval;
+mod budget;
+mod interleave;
 pub mod measures;
 pub mod reference;
 pub mod runner;
-mod schedule;
-mod turns;
 
 pub use effects::{Compiled, WithoutNeed};
 pub use estimator::{Estimator, NotApplicable};
@@ -36,11 +36,11 @@ pub use interval::Interval;
 pub use measures::{Point, Rank, Reached};
 
 use direkt::error::Error;
-use direkt::gpu::Context;
-use direkt::render::{Film, RayCounts};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::render::{Film, RayCounts};
 use direkt::scene::Scene;
 use fit::Slope;
-use halt::Halt;
+use interrupted::Interrupted;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -180,9 +180,9 @@ pub fn measure(
     progress: Progress<'_>,
     stop: &dyn Fn() -> bool,
 ) -> Result<Option<SceneCost>, Error> {
-    match schedule::measure(context, scene, settings, progress, stop) {
+    match budget::measure(context, scene, settings, progress, stop) {
         Ok(cost) => Ok(Some(cost)),
-        Err(Halt::Stopped) => Ok(None),
-        Err(Halt::Failed(error)) => Err(error),
+        Err(Interrupted::Stopped) => Ok(None),
+        Err(Interrupted::Failed(error)) => Err(error),
     }
 }

@@ -3,7 +3,7 @@
 use super::estimator::Estimator;
 use ::exr::prelude::{ReadChannels, ReadLayers, read};
 use direkt::error::{Error, InputError};
-use direkt::render::Film;
+use direkt::low_level::render::Film;
 use direkt::scene::{ExpectedRadiance, FilmSize, Scene};
 use serde::Serialize;
 use std::path::Path;
@@ -67,9 +67,10 @@ impl Reference {
     /// The mean of two independent halves, whose difference tells its error.
     pub fn from_halves(a: &Film, b: &Film) -> Self {
         let pairs = || a.pixels.iter().zip(&b.pixels);
-        let mean = |(a, b): (&direkt::render::film::Pixel, &direkt::render::film::Pixel)| {
-            [0, 1, 2].map(|c| 0.5 * (a.mean[c] + b.mean[c]))
-        };
+        let mean = |(a, b): (
+            &direkt::low_level::render::film::Pixel,
+            &direkt::low_level::render::film::Pixel,
+        )| { [0, 1, 2].map(|c| 0.5 * (a.mean[c] + b.mean[c])) };
         let mut reference = Self::exact(pairs().map(mean).collect());
         let (mut sum, mut squares) = ([0.0; 2], [0.0; 2]);
         for ((a, b), r) in pairs().zip(&reference.mean) {

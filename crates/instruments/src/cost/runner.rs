@@ -3,13 +3,13 @@
 use super::effects::Agreement;
 use super::error::Errors;
 use super::estimator::Estimator;
-use super::halt::Halt;
-use direkt::effects::Effect;
+use super::interrupted::Interrupted;
 use direkt::error::{GpuError, InputError};
-use direkt::gpu::Context;
-use direkt::prepare::{Patterns, Prepared, SceneData};
-use direkt::render::goal::{Look, Watch};
-use direkt::render::{ErrorGoal, Film, RayCounts, Session, StopReason};
+use direkt::low_level::effects::Effect;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::{Patterns, Prepared, SceneData};
+use direkt::low_level::render::goal::{ErrorMonitor, Verdict};
+use direkt::low_level::render::{ErrorGoal, Film, RayCounts, Session, StopReason};
 use direkt::scene::{FilmSize, RenderSettings, Scene, validate};
 use std::sync::Arc;
 use std::time::Instant;
@@ -121,11 +121,11 @@ impl<'a> Runner<'a> {
         seed: u32,
         goal: ErrorGoal,
         stop: &dyn Fn() -> bool,
-    ) -> Result<Run, Halt> {
-        let mut watch = Watch::new(goal);
+    ) -> Result<Run, Interrupted> {
+        let mut monitor = ErrorMonitor::new(goal);
         self.run_while(seed, u64::MAX, stop, |session| {
-            let look = watch.look(session)?;
-            Ok((look == Look::NotYet).then(|| watch.next()))
+            let verdict = monitor.verdict(session)?;
+            Ok((verdict == Verdict::NotYet).then(|| monitor.next()))
         })
     }
 
@@ -133,7 +133,12 @@ impl<'a> Runner<'a> {
     ///
     /// # Errors
     /// It was stopped, or the driver fails.
-    pub fn run(&mut self, seed: u32, samples: u64, stop: &dyn Fn() -> bool) -> Result<Run, Halt> {
+    pub fn run(
+        &mut self,
+        seed: u32,
+        samples: u64,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Run, Interrupted> {
         self.run_while(seed, samples, stop, |session| {
             Ok((session.samples() < samples).then_some(samples))
         })
@@ -146,16 +151,16 @@ impl<'a> Runner<'a> {
         planned: u64,
         stop: &dyn Fn() -> bool,
         mut due: impl FnMut(&Session<'_>) -> Result<Option<u64>, GpuError>,
-    ) -> Result<Run, Halt> {
+    ) -> Result<Run, Interrupted> {
         let session = &mut self.session;
-        let patterns = Patterns::new(self.estimator.sampler, planned, self.shadow_rays);
+        let patterns = Patterns::new(self.estimator.settings.sampler, planned, self.shadow_rays);
         session.restart(seed, patterns)?;
         let start = Instant::now();
         let mut passes = 0;
         while let Some(until) = due(session)? {
             let pass = session.pass_samples(until - session.samples());
             if session.pass(pass, stop)? == StopReason::Interrupted {
-                return Err(Halt::Stopped);
+                return Err(Interrupted::Stopped);
             }
             passes += 1;
         }
@@ -195,12 +200,7 @@ pub fn prepare(
     estimator: Estimator,
 ) -> Result<Prepared, InputError> {
     let settings = RenderSettings {
-        strategy: estimator.strategy,
-        light_sampling: estimator.light_sampling,
-        light_selection: estimator.light_selection,
-        shadow_rays: estimator.shadow_rays,
-        shadow_pattern: estimator.shadow_pattern,
-        sampler: estimator.sampler,
+        estimator: estimator.settings,
         ..scene.render
     };
     validate::settings(scene, &settings)?;

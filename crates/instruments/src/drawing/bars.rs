@@ -4,7 +4,7 @@ use crate::drawing::frame::Area;
 use crate::drawing::scale::Scale;
 use crate::drawing::svg::{Anchor, Svg, room_for};
 use crate::drawing::text::number;
-use direkt::stats::interval::Interval;
+use direkt::low_level::stats::interval::Interval;
 
 /// A bar.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! What the images beside radiance take.
 
-use direkt::render::aov::FEATURE_SAMPLES;
+use direkt::low_level::render::aov::FEATURE_SAMPLES;
 use direkt::scene::{Aov, Aovs};
 use serde::Serialize;
 

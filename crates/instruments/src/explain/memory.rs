@@ -1,10 +1,10 @@
 //! What a render holds on the device and on the host.
 
-use direkt::effects::Effect;
-use direkt::gpu::SceneBuffers;
-use direkt::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS};
-use direkt::prepare::Prepared;
-use direkt::render::memory::host_bytes;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::gpu::SceneBuffers;
+use direkt::low_level::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS};
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::render::memory::host_bytes;
 use direkt::scene::FilmSize;
 use serde::Serialize;
 

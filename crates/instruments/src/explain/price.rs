@@ -7,16 +7,16 @@
 
 use super::sample::Rays;
 use super::shader::ShaderSize;
-use crate::cost::halt::Halt;
+use crate::cost::interrupted::Interrupted;
 use crate::cost::{Interval, Progress};
-use direkt::effects::{Effect, Effects};
 use direkt::error::{Error, GpuError};
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
-use direkt::render::{RayCounts, Session, Stamps, StopReason};
+use direkt::low_level::effects::{Effect, Effects};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::render::{CacheBuster, RayCounts, Session, StopReason};
+use direkt::low_level::stats::interval::student_95;
+use direkt::low_level::stats::moments::Moments;
 use direkt::scene::FilmSize;
-use direkt::stats::interval::student_95;
-use direkt::stats::moments::Moments;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -105,15 +105,15 @@ pub fn measure(
         prepared,
         candidates: candidates(&called_for, effects),
         samples: 1,
-        stamps: Stamps::now(),
+        stamps: CacheBuster::now(),
         stop,
     };
     let outcome = rounds.run(budget, progress);
     rounds.prepared.effects = called_for;
     match outcome {
         Ok(prices) => Ok(prices),
-        Err(Halt::Stopped) => Ok(None),
-        Err(Halt::Failed(error)) => Err(error),
+        Err(Interrupted::Stopped) => Ok(None),
+        Err(Interrupted::Failed(error)) => Err(error),
     }
 }
 
@@ -164,12 +164,12 @@ struct Rounds<'a, 's> {
     candidates: Vec<Candidate<'a>>,
     /// Samples per pixel of every run.
     samples: u64,
-    stamps: Stamps,
+    stamps: CacheBuster,
     stop: &'s dyn Fn() -> bool,
 }
 
 impl Rounds<'_, '_> {
-    fn run(&mut self, budget: f64, progress: Progress<'_>) -> Result<Option<Prices>, Halt> {
+    fn run(&mut self, budget: f64, progress: Progress<'_>) -> Result<Option<Prices>, Interrupted> {
         let start = Instant::now();
         let spent = || start.elapsed().as_secs_f64();
         let mut rounds = 0;
@@ -177,7 +177,7 @@ impl Rounds<'_, '_> {
             progress(&format!("round {}", rounds + 1), spent().min(budget));
             match self.round(rounds) {
                 Ok(()) => rounds += 1,
-                Err(Halt::Stopped) => break,
+                Err(Interrupted::Stopped) => break,
                 Err(failed) => return Err(failed),
             }
         }
@@ -201,7 +201,7 @@ impl Rounds<'_, '_> {
     }
 
     /// Compiles every kernel once, then renders by all of them in turn for as long; each round begins with another kernel.
-    fn round(&mut self, round: usize) -> Result<(), Halt> {
+    fn round(&mut self, round: usize) -> Result<(), Interrupted> {
         let start = Instant::now();
         let count = self.candidates.len();
         for i in (0..count).map(|i| (i + round) % count) {
@@ -220,9 +220,9 @@ impl Rounds<'_, '_> {
     }
 
     /// Compiles kernel `i` anew, and lets it find out how much fits a dispatch.
-    fn compile(&mut self, i: usize) -> Result<(), Halt> {
+    fn compile(&mut self, i: usize) -> Result<(), Interrupted> {
         if (self.stop)() {
-            return Err(Halt::Stopped);
+            return Err(Interrupted::Stopped);
         }
         self.prepared.effects = self.candidates[i].effects.clone();
         let place = (self.film, self.seed, self.stamps.draw());
@@ -242,7 +242,7 @@ impl Rounds<'_, '_> {
     }
 
     /// Renders by kernel `i`.
-    fn render(&mut self, i: usize) -> Result<(), Halt> {
+    fn render(&mut self, i: usize) -> Result<(), Interrupted> {
         let candidate = &mut self.candidates[i];
         let Some(session) = &mut candidate.session else {
             return Ok(());
@@ -293,12 +293,16 @@ impl Rounds<'_, '_> {
 }
 
 /// Takes every pixel `samples` further.
-fn advance(session: &mut Session<'_>, samples: u64, stop: &dyn Fn() -> bool) -> Result<(), Halt> {
+fn advance(
+    session: &mut Session<'_>,
+    samples: u64,
+    stop: &dyn Fn() -> bool,
+) -> Result<(), Interrupted> {
     let until = session.samples() + samples;
     while session.samples() < until {
         let pass = session.pass_samples(until - session.samples());
         if session.pass(pass, stop)? == StopReason::Interrupted {
-            return Err(Halt::Stopped);
+            return Err(Interrupted::Stopped);
         }
     }
     Ok(())

@@ -1,8 +1,8 @@
 //! What one sample takes: rays, and random numbers.
 
-use direkt::effects::Effect;
-use direkt::emitters::Emitter;
-use direkt::prepare::Prepared;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::emitters::Emitter;
+use direkt::low_level::prepare::Prepared;
 use serde::Serialize;
 
 /// Rays of one sample.

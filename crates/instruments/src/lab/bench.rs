@@ -2,10 +2,10 @@
 
 use super::layout::{LabBlock, LabRun};
 use direkt::error::GpuError;
-use direkt::gpu::kernel::{READ, READ_WRITE};
-use direkt::gpu::program::POISON;
-use direkt::gpu::shader::{self, Config};
-use direkt::gpu::{Context, GpuBuffer};
+use direkt::low_level::gpu::kernel::{READ, READ_WRITE};
+use direkt::low_level::gpu::program::POISON;
+use direkt::low_level::gpu::shader::{self, KernelConstants};
+use direkt::low_level::gpu::{Context, GpuBuffer};
 use std::time::Instant;
 
 /// Most items of a dispatch: 65,535 workgroups of 64 invocations are what every adapter takes.
@@ -38,7 +38,7 @@ impl<'a> Bench<'a> {
     /// The kernel does not link, or the driver refuses it.
     pub fn new(context: &'a Context, name: &'static str) -> Result<Self, GpuError> {
         let module = format!("kernel::{name}");
-        let wgsl = shader::link(&module, [], Config::default())?;
+        let wgsl = shader::link(&module, [], KernelConstants::default())?;
         let device = &context.device;
         let uniform = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,

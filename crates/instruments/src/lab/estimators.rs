@@ -18,8 +18,8 @@ use super::plot::{Mark, Plot, Series};
 use super::report::{Cell, Check, Report, Table, short};
 use super::{BLOCK, CONFIDENCE_95, Settings, slope};
 use direkt::error::GpuError;
-use direkt::gpu::Context;
-use direkt::stats::moments::Moments;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::stats::moments::Moments;
 
 /// Numbers of samples of an estimate.
 pub const SAMPLES: [u32; 4] = [4, 16, 64, 256];

@@ -8,7 +8,7 @@
 //! ```
 
 use super::rules::Rule;
-use direkt::reference::exact::lecture::LinearDensity;
+use direkt::low_level::reference::exact::lecture::LinearDensity;
 
 /// Mean and variance of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]

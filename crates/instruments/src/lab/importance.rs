@@ -4,7 +4,7 @@
 //!     x ~ p,   E[x/p(x)] = 8,   V[x/p(x)] = ∫₀⁴ x²/p(x) dx − 64,   N = V/0.008²
 //! ```
 //!
-//! Exact values: [`direkt::reference::exact::lecture`].
+//! Exact values: [`direkt::low_level::reference::exact::lecture`].
 
 use super::bench::Bench;
 use super::layout::{LabBlock, LabRun, merged};
@@ -12,9 +12,9 @@ use super::plot::{Mark, Plot, Series};
 use super::report::{Cell, Check, Report, Table, grouped};
 use super::{BLOCK, CONFIDENCE_95, Settings, expected_errors, integral, rms_errors};
 use direkt::error::GpuError;
-use direkt::gpu::Context;
-use direkt::reference::exact::lecture::{INTEGRAL, LinearDensity};
-use direkt::stats::moments::Moments;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::reference::exact::lecture::{INTEGRAL, LinearDensity};
+use direkt::low_level::stats::moments::Moments;
 
 /// Standard deviation of the mean that the lecture asks for.
 pub const STANDARD_DEVIATION: f64 = 0.008;

@@ -5,7 +5,7 @@ use super::bench::Bench;
 use super::layout::LabRun;
 use super::rules::{Integrand, Rule, corner, r_sequence};
 use direkt::error::GpuError;
-use direkt::stats::moments::Moments;
+use direkt::low_level::stats::moments::Moments;
 
 /// Most dimensions.
 pub const DIMENSIONS: u32 = 6;

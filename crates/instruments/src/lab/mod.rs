@@ -10,7 +10,7 @@
 //! | [`estimators`] | unbiased, biased, consistent or neither, of infinite variance: bias and variance |
 //!
 //! Each declares its [`report::Check`]s before it draws; they are one family of tests whose level is
-//! [`FAMILY_LEVEL`](direkt::stats::sidak::FAMILY_LEVEL).
+//! [`FAMILY_LEVEL`](direkt::low_level::stats::sidak::FAMILY_LEVEL).
 
 pub mod bench;
 pub mod densities;
@@ -27,9 +27,9 @@ pub mod rules;
 pub mod sampling;
 
 use direkt::error::GpuError;
-use direkt::gpu::Context;
-use direkt::reference::exact::cubature::{Tolerance, integrate};
-use direkt::stats::moments::Moments;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::reference::exact::cubature::{Tolerance, integrate};
+use direkt::low_level::stats::moments::Moments;
 use glam::DVec3;
 use layout::LabBlock;
 use report::Report;

@@ -14,8 +14,8 @@ use super::plot::{Mark, Plot, Series};
 use super::report::{Cell, Check, Report, Table};
 use super::{BLOCK, CONFIDENCE_95, Settings, expected_errors, rms_errors};
 use direkt::error::GpuError;
-use direkt::gpu::Context;
-use direkt::stats::moments::Moments;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::stats::moments::Moments;
 use std::f64::consts::PI;
 
 /// A way to π.

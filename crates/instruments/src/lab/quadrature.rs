@@ -16,9 +16,9 @@ use super::report::{Cell, Check, Report, Table, short};
 use super::rules::{Integrand, Rule};
 use super::{Settings, slope};
 use direkt::error::GpuError;
-use direkt::gpu::Context;
-use direkt::stats::moments::Moments;
-use direkt::stats::z_test::z_test;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::z_test::z_test;
 
 /// What one method did with one integrand in one dimension.
 struct Row {

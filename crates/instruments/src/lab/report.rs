@@ -1,8 +1,8 @@
 //! What an experiment tells: tables, checks, plots. The same facts as text and as JSON.
 
 use super::plot::Plot;
-use direkt::stats::sidak::Family;
-use direkt::stats::z_test::z_test;
+use direkt::low_level::stats::sidak::Family;
+use direkt::low_level::stats::z_test::z_test;
 use serde::{Serialize, Serializer};
 use std::fmt::Write;
 

@@ -10,7 +10,7 @@
 //!     Gauss–Legendre, two points per panel: t·cosh(t/√3)/sinh t, order n⁻⁴
 //! ```
 
-use direkt::reference::core::rng::pcg4d;
+use direkt::low_level::reference::core::rng::pcg4d;
 
 /// A quadrature rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -15,8 +15,8 @@ use super::layout::{LabBlock, LabRun};
 use super::plot::{Mark, Plot, Series};
 use super::report::{Cell, Check, Report, Table};
 use direkt::error::GpuError;
-use direkt::gpu::Context;
-use direkt::stats::chi2::{Totals, chi2_test};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
 
 /// Cells of a histogram; odd, so that no edge lies on a symmetry.
 pub const CELLS: usize = 31;

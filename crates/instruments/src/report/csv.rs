@@ -1,6 +1,6 @@
 //! A table of all measured points.
 
-use crate::cost::{EstimatorCost, Point, SceneCost};
+use crate::cost::{Estimator, EstimatorCost, Point, SceneCost};
 use std::path::Path;
 
 /// The columns: first those that tables of other renderers have, then further ones. `effects` are those that the estimator is
@@ -25,7 +25,10 @@ pub fn table(costs: &[SceneCost]) -> String {
 fn line(cost: &SceneCost, estimator: &EstimatorCost, p: &Point) -> String {
     let name = Path::new(&cost.scene).file_name();
     let name = name.map_or_else(|| cost.scene.clone().into(), |n| n.to_string_lossy());
-    let e = estimator.estimator;
+    let Estimator {
+        settings: e,
+        effects,
+    } = estimator.estimator;
     let numbers = [
         p.seconds.low,
         p.seconds.high,
@@ -59,7 +62,7 @@ fn line(cost: &SceneCost, estimator: &EstimatorCost, p: &Point) -> String {
         cost.height,
         p.replicates,
         numbers.join(","),
-        e.effects.key()
+        effects.key()
     )
 }
 

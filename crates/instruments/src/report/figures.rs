@@ -25,9 +25,12 @@ const EFFECTS: &str = "effects";
 /// ones for the effects that are compiled in without need.
 fn series(cost: &SceneCost, estimator: &EstimatorCost) -> usize {
     let all = Strategy::VARIANTS;
-    let strategy = estimator.estimator.strategy;
+    let strategy = estimator.estimator.settings.strategy;
     let of_strategy = all.iter().position(|s| *s == strategy).unwrap_or(0);
-    let mut others = cost.estimators.iter().map(|e| e.estimator.strategy);
+    let mut others = cost
+        .estimators
+        .iter()
+        .map(|e| e.estimator.settings.strategy);
     if others.any(|other| other != strategy) {
         return of_strategy % SERIES;
     }
@@ -72,7 +75,7 @@ pub fn of(cost: &SceneCost) -> [Figure; 3] {
         let curve = |e: &EstimatorCost| Curve {
             name: e.name.clone(),
             series: series(cost, e),
-            dash: dash(e.estimator.sampler),
+            dash: dash(e.estimator.settings.sampler),
             thin: e.without_need.is_some(),
             points: e.points.iter().map(|p| (x(p), p.rel_mse)).collect(),
         };

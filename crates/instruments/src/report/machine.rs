@@ -1,6 +1,6 @@
 //! The machine that was measured.
 
-use direkt::gpu::AdapterFacts;
+use direkt::low_level::gpu::AdapterFacts;
 use serde::Serialize;
 
 /// Adapter, driver and processor.

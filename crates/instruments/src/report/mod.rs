@@ -16,7 +16,7 @@ pub use figures::{ranked, with_effects};
 use crate::cost::SceneCost;
 use crate::drawing::raster;
 use direkt::error::Error;
-use direkt::output;
+use direkt::low_level::output;
 use machine::Machine;
 use std::path::Path;
 

@@ -11,7 +11,7 @@ use crate::cost::reference::Source;
 use crate::cost::{EqualTime, EstimatorCost, SceneCost};
 use crate::drawing::svg::adaptive_css;
 use direkt::error::Error;
-use direkt::image::heat::{HEAT, heat};
+use direkt::low_level::image::heat::{HEAT, heat};
 use direkt::scene::FilmSize;
 
 const STYLE: &str = include_str!("style.css");

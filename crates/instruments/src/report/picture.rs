@@ -2,9 +2,9 @@
 
 use base64::Engine;
 use direkt::error::Error;
-use direkt::image::heat::heat;
-use direkt::image::png::Display;
-use direkt::image::tone::srgb_8_bit;
+use direkt::low_level::image::heat::heat;
+use direkt::low_level::image::png::Display;
+use direkt::low_level::image::tone::srgb_8_bit;
 use direkt::scene::FilmSize;
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType as PngFilter, PngEncoder};

@@ -1,14 +1,14 @@
 //! What the scene calls for.
 
 use crate::app::App;
-use direkt::effects::Effect;
+use direkt::low_level::effects::Effect;
 use eframe::egui::{RichText, Ui};
 
 /// Shows the effects of the view that is edited, with their reasons, and switches that force the others.
 pub fn show(app: &mut App, ui: &mut Ui) {
     let index = app.edited_view();
     let forced = app.methods[index].forced.clone();
-    let picture = app.news.pictures[index].as_ref();
+    let picture = app.status.pictures[index].as_ref();
     let called_for: Vec<_> = picture.map_or_else(Vec::new, |p| {
         let effects = p.effects.iter();
         effects

@@ -2,7 +2,7 @@
 
 use super::{choice, compare};
 use crate::app::App;
-use crate::job::VIEW_NAMES;
+use crate::request::VIEW_NAMES;
 use direkt::scene::settings::MAX_SPECULAR_DEPTH;
 use direkt::scene::shadow_rays::MAX_SHADOW_RAYS;
 use direkt::scene::{LightSampling, LightSelection, Sampler, ShadowPattern, Strategy};
@@ -24,35 +24,41 @@ pub fn show(app: &mut App, ui: &mut Ui) {
     });
     let index = app.edited_view();
     let settings = &mut app.methods[index].settings;
-    choice::<Strategy>(ui, "strategy", &mut settings.strategy);
-    choice::<LightSelection>(ui, "light selection", &mut settings.light_selection);
-    if settings.strategy.is_mis() {
-        choice::<LightSampling>(ui, "light sampling", &mut settings.light_sampling);
+    choice::<Strategy>(ui, "strategy", &mut settings.estimator.strategy);
+    choice::<LightSelection>(
+        ui,
+        "light selection",
+        &mut settings.estimator.light_selection,
+    );
+    if settings.estimator.strategy.is_mis() {
+        choice::<LightSampling>(ui, "light sampling", &mut settings.estimator.light_sampling);
         ui.checkbox(
-            &mut settings.mis_compensation,
+            &mut settings.estimator.mis_compensation,
             "MIS compensation of the environment",
         );
     }
-    choice::<Sampler>(ui, "sampler", &mut settings.sampler);
+    choice::<Sampler>(ui, "sampler", &mut settings.estimator.sampler);
     ui.checkbox(
-        &mut settings.adaptive,
+        &mut settings.estimator.adaptive,
         "adaptive: more samples where the error is",
     );
     ui.horizontal_wrapped(|ui| {
-        let rays = DragValue::new(&mut settings.shadow_rays);
+        let rays = DragValue::new(&mut settings.estimator.shadow_rays);
         ui.add(rays.range(1..=MAX_SHADOW_RAYS).suffix(" shadow rays"));
-        let depth = DragValue::new(&mut settings.max_specular_depth);
+        let depth = DragValue::new(&mut settings.estimator.max_specular_depth);
         ui.add(
             depth
                 .range(0..=MAX_SPECULAR_DEPTH)
                 .prefix("specular depth "),
         );
     });
-    if settings.shadow_rays > 1 || settings.shadow_pattern != ShadowPattern::default() {
-        choice::<ShadowPattern>(ui, "shadow pattern", &mut settings.shadow_pattern);
+    if settings.estimator.shadow_rays > 1
+        || settings.estimator.shadow_pattern != ShadowPattern::default()
+    {
+        choice::<ShadowPattern>(ui, "shadow pattern", &mut settings.estimator.shadow_pattern);
     }
     ui.checkbox(
-        &mut settings.energy_compensation,
+        &mut settings.estimator.energy_compensation,
         "energy compensation of rough metals",
     );
     ui.horizontal_wrapped(|ui| {

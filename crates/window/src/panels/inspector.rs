@@ -4,7 +4,7 @@ use super::row::row;
 use crate::app::App;
 use crate::density::CELLS;
 use crate::picture::{Inspected, Picture};
-use direkt::image::heat::heat;
+use direkt::low_level::image::heat::heat;
 use direkt_instruments::drawing::text::number;
 use eframe::egui::{Color32, ColorImage, TextureOptions, Ui, Vec2};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
 
 /// Shows how directions are chosen there: expected beside observed.
 fn densities(app: &mut App, ui: &mut Ui) {
-    let Some(inspected) = app.news.inspected.clone() else {
+    let Some(inspected) = app.status.inspected.clone() else {
         return;
     };
     let Some(surface) = &inspected.surface else {
@@ -68,7 +68,7 @@ fn densities(app: &mut App, ui: &mut Ui) {
 }
 
 fn surface(app: &App, ui: &mut Ui) {
-    let Some(inspected) = &app.news.inspected else {
+    let Some(inspected) = &app.status.inspected else {
         return;
     };
     let mut row = |label: &str, text: String| row(ui, label, text);

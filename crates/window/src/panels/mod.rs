@@ -9,8 +9,8 @@ mod progress;
 mod row;
 
 use super::app::{App, Screen};
-use super::job::{Layer, Method, Turns, VIEW_NAMES};
-use direkt::image::ToneMapper;
+use super::request::{Layer, Method, Pacing, VIEW_NAMES};
+use direkt::low_level::image::ToneMapper;
 use direkt::scene::{LightSampling, Strategy};
 use eframe::egui::{self, Color32, ComboBox, RichText, ScrollArea, Ui};
 use std::fmt::Display;
@@ -75,8 +75,8 @@ pub fn compare(app: &mut App, begin: bool) {
     }
     let mut second: Method = app.methods[0].clone();
     let settings = &mut second.settings;
-    settings.strategy = if settings.strategy.is_mis() {
-        match settings.light_sampling {
+    settings.estimator.strategy = if settings.estimator.strategy.is_mis() {
+        match settings.estimator.light_sampling {
             LightSampling::Area => Strategy::LightArea,
             LightSampling::SolidAngle => Strategy::LightSolidAngle,
             LightSampling::ProjectedSolidAngle => Strategy::LightProjectedSolidAngle,
@@ -93,7 +93,7 @@ pub fn compare(app: &mut App, begin: bool) {
 /// Goes `step` strategies on in the view that is edited.
 pub fn next_strategy(app: &mut App, step: isize) {
     let index = app.edited_view();
-    let strategy = &mut app.methods[index].settings.strategy;
+    let strategy = &mut app.methods[index].settings.estimator.strategy;
     let all = Strategy::VARIANTS;
     let at = all.iter().position(|s| s == strategy).unwrap_or(0) as isize + step;
     *strategy = all[at.rem_euclid(all.len() as isize) as usize];
@@ -135,9 +135,9 @@ fn view(app: &mut App, ui: &mut Ui) {
     if app.methods.len() > 1 {
         ui.horizontal_wrapped(|ui| {
             ui.label("at equal");
-            ui.selectable_value(&mut app.turns, Turns::EqualTime, "time")
+            ui.selectable_value(&mut app.pacing, Pacing::EqualTime, "time")
                 .on_hover_text("next is the one that has rendered for less time");
-            ui.selectable_value(&mut app.turns, Turns::EqualSamples, "samples")
+            ui.selectable_value(&mut app.pacing, Pacing::EqualSamples, "samples")
                 .on_hover_text("next is the one that has fewer samples");
         });
         ui.horizontal_wrapped(|ui| {
@@ -167,14 +167,14 @@ fn lens(app: &mut App, ui: &mut Ui) {
         return;
     }
     ui.horizontal_wrapped(|ui| {
-        let mut lens = app.rig.lens;
+        let mut lens = app.controller.lens;
         let speed = 0.01 * lens.focus_distance;
         let sharp = egui::DragValue::new(&mut lens.focus_distance);
         ui.add(sharp.speed(speed).range(1e-9..=1e9).prefix("sharp at "));
         let speed = 0.01 * lens.radius.max(1e-3 * lens.focus_distance);
         let radius = egui::DragValue::new(&mut lens.radius);
         ui.add(radius.speed(speed).range(0.0..=1e9).prefix("lens radius "));
-        app.navigate(|rig| rig.lens = lens);
+        app.navigate(|controller| controller.lens = lens);
     });
     ui.weak("Alt and a click: what is there becomes sharp.");
 }

@@ -60,7 +60,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
 }
 
 fn shown_runs(app: &App) -> Vec<u64> {
-    let pictures = app.news.pictures.iter().flatten();
+    let pictures = app.status.pictures.iter().flatten();
     pictures.map(|picture| picture.run).collect()
 }
 

@@ -17,7 +17,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         if ui.small_button(word).on_hover_text("space").clicked() {
             app.paused = !app.paused;
         }
-        match &app.news.state {
+        match &app.status.state {
             State::Compiling => {
                 ui.spinner();
                 ui.label("compiling");
@@ -27,7 +27,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
             State::Failed(_) => _ = ui.colored_label(PROBLEM, "stopped"),
         }
     });
-    if let State::Failed(message) = &app.news.state {
+    if let State::Failed(message) = &app.status.state {
         ui.colored_label(PROBLEM, message);
     }
     match &app.note {
@@ -35,7 +35,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         Some(Note::Done(text)) => _ = ui.weak(text),
         None => {}
     }
-    if let Some(adapter) = &app.news.adapter {
+    if let Some(adapter) = &app.status.adapter {
         ui.weak(format!("{} ({})", adapter.name, adapter.driver));
     }
     for (name, picture) in app.pictures() {

@@ -130,7 +130,7 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
         shapes,
         lights,
         environment,
-        render: file.render,
+        render: file.render.into(),
         expect,
         warnings: context.warnings,
         filter,

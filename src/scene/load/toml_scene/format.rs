@@ -1,10 +1,10 @@
 //! The types of a scene file. Their doc comments are the descriptions in the JSON Schema.
 
-use crate::scene::RenderSettings;
 use crate::scene::environment::Interpolation;
 use crate::scene::filter::FilterKind;
 use crate::scene::lights::LightKeys;
 use crate::scene::rgb::Rgb;
+use crate::scene::settings::RenderTable;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -41,7 +41,7 @@ pub(super) struct SceneFile {
     pub(super) environment: Option<EnvironmentTable>,
     /// How to render; every setting also has a flag.
     #[serde(default)]
-    pub(super) render: RenderSettings,
+    pub(super) render: RenderTable,
     /// What the image must be, for `direkt render --check`.
     pub(super) expect: Option<ExpectTable>,
 }

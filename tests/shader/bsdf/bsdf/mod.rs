@@ -2,8 +2,8 @@
 
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, draw};
-use direkt::gpu::Context;
-use direkt::gpu::layout::{
+use direkt::low_level::gpu::Context;
+use direkt::low_level::gpu::layout::{
     COMPENSATED_BIT, FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK,
 };
 use direkt::scene::material::{BsdfParameters, Fresnel, SpecularLobe};

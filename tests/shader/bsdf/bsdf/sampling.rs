@@ -5,15 +5,15 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::direction;
 use crate::support::rounding::U;
 use crate::support::{context, histogram, statistics};
-use direkt::reference::BrokenTwin;
-use direkt::reference::broken::BROKEN_TWINS;
-use direkt::reference::bsdf::bsdf::{eval_bsdf, specular_share};
-use direkt::reference::bsdf::ggx::pdf_ggx;
-use direkt::reference::exact::cubature::{Tolerance, integrate};
-use direkt::reference::exact::ggx::directional_albedo;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::broken::BROKEN_TWINS;
+use direkt::low_level::reference::bsdf::bsdf::{eval_bsdf, specular_share};
+use direkt::low_level::reference::bsdf::ggx::pdf_ggx;
+use direkt::low_level::reference::exact::cubature::{Tolerance, integrate};
+use direkt::low_level::reference::exact::ggx::directional_albedo;
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::material::BsdfParameters;
-use direkt::stats::moments::Moments;
-use direkt::stats::z_test::z_test;
 use glam::DVec3;
 
 /// Density of sampled directions over the whole sphere. Below the horizon are the reflections about visible normals

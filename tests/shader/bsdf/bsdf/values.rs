@@ -11,8 +11,8 @@ use crate::support::random::{direction, numbers};
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call, words};
 use crate::support::{context, edge_points};
-use direkt::reference::bsdf::bsdf::{eval_bsdf, sample_bsdf, specular_share};
-use direkt::reference::bsdf::compensation::{
+use direkt::low_level::reference::bsdf::bsdf::{eval_bsdf, sample_bsdf, specular_share};
+use direkt::low_level::reference::bsdf::compensation::{
     compensation_fresnel, ggx_albedo_deficit, ggx_average_deficit,
 };
 use direkt::scene::material::{BsdfParameters, SpecularLobe};

@@ -4,8 +4,8 @@ use super::IMPORTS;
 use crate::support::context;
 use crate::support::random::{Random, rounded};
 use crate::support::shader::{Function, call, words};
-use direkt::gpu::Context;
-use direkt::reference::core::frame::frame_from_normal;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::reference::core::frame::frame_from_normal;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 

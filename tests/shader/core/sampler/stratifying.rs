@@ -5,12 +5,12 @@ use crate::support::context;
 use crate::support::random::Random;
 use crate::support::shader::{Function, call};
 use crate::support::statistics::{accept, reject};
-use direkt::reference::core::sampler::{
+use direkt::low_level::reference::core::sampler::{
     GROUP_DIRECTION, GROUP_FILM, GROUP_LIGHT, Numbers, SampleId,
 };
+use direkt::low_level::stats::moments::Moments;
+use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::Sampler;
-use direkt::stats::moments::Moments;
-use direkt::stats::z_test::z_test;
 
 /// Each sampler's groups are the twin's, bit for bit, with patterns of several sizes.
 #[test]

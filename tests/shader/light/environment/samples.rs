@@ -4,13 +4,13 @@ use crate::support::random::Random;
 use crate::support::rounding::{U, assert_near};
 use crate::support::shader::{Function, draw};
 use crate::support::{context, histogram, statistics};
-use direkt::emitters::{EnvironmentGrid, row_height as height_in_z};
-use direkt::reference::BrokenTwin;
-use direkt::reference::core::pdf::PdfDiscrete;
-use direkt::reference::light::environment::pdf_environment_cell;
+use direkt::low_level::emitters::{EnvironmentGrid, row_height as height_in_z};
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::core::pdf::PdfDiscrete;
+use direkt::low_level::reference::light::environment::pdf_environment_cell;
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
 use direkt::scene::EnvironmentMap;
 use direkt::scene::environment::Interpolation;
-use direkt::stats::chi2::{Totals, chi2_test};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 

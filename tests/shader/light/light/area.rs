@@ -4,20 +4,20 @@ use super::{DRAWN, directions, facing_z, prepared, receivers};
 use crate::support::every_kind::{constant_environment, every_kind, with_right_angles};
 use crate::support::random::rounded;
 use crate::support::{context, emitter, floor_pixel, histogram, prepared_for, statistics};
-use direkt::accel::PrimitiveGeometry;
-use direkt::accel::octahedral::octahedral;
-use direkt::emitters::Emitter;
-use direkt::prepare::Prepared;
-use direkt::reference::BrokenTwin;
-use direkt::reference::broken::BROKEN_TWINS;
-use direkt::reference::core::frame::{frame_from_normal, to_local};
-use direkt::reference::core::ray::Ray;
-use direkt::reference::core::ray_ellipsoid::ellipsoid_normal;
-use direkt::reference::core::ray_planar::intersect_rectangle;
-use direkt::reference::core::ray_sphere::intersect_sphere;
-use direkt::reference::light::area_light::pdf_area_light;
-use direkt::reference::light::ellipsoid::{Ellipsoid, view_ellipsoid};
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::accel::PrimitiveGeometry;
+use direkt::low_level::accel::octahedral::octahedral;
+use direkt::low_level::emitters::Emitter;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::broken::BROKEN_TWINS;
+use direkt::low_level::reference::core::frame::{frame_from_normal, to_local};
+use direkt::low_level::reference::core::ray::Ray;
+use direkt::low_level::reference::core::ray_ellipsoid::ellipsoid_normal;
+use direkt::low_level::reference::core::ray_planar::intersect_rectangle;
+use direkt::low_level::reference::core::ray_sphere::intersect_sphere;
+use direkt::low_level::reference::light::area_light::pdf_area_light;
+use direkt::low_level::reference::light::ellipsoid::{Ellipsoid, view_ellipsoid};
+use direkt::low_level::reference::scene::fetch::World;
 use direkt::scene::ellipsoid::rotation;
 use direkt::scene::{Geometry, LightSampling, LightSelection, Strategy};
 use glam::{DMat3, DVec2, DVec3};
@@ -170,7 +170,7 @@ fn directions_towards_area_lights_match_pdf() {
 #[test]
 fn directions_over_solid_angles_match_pdf() {
     let mut scene = with_right_angles(every_kind(constant_environment()));
-    scene.render.light_sampling = LightSampling::SolidAngle;
+    scene.render.estimator.light_sampling = LightSampling::SolidAngle;
     let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Uniform);
     let tested = directions_match_pdf(&prepared, two_receivers);
     assert_eq!(tested, 14, "five kinds, two of them in two ways");
@@ -187,7 +187,7 @@ fn directions_towards_near_ellipsoids_match_pdf() {
         };
         scene.shapes.push(emitter(geometry, 1.0, false));
     }
-    scene.render.light_sampling = LightSampling::SolidAngle;
+    scene.render.estimator.light_sampling = LightSampling::SolidAngle;
     let prepared = prepared_for(scene, Strategy::MisPower, LightSelection::Uniform);
     let near = |prepared: &Prepared, light: &Emitter| {
         let Emitter::Area { primitive, .. } = *light else {
@@ -214,7 +214,7 @@ fn directions_match_pdf(
     receivers: impl Fn(&Prepared, &Emitter) -> Vec<DVec3>,
 ) -> usize {
     let context = context();
-    let sampling = prepared.settings.light_sampling;
+    let sampling = prepared.settings.estimator.light_sampling;
     let world = World::new(prepared);
     let mut tested = 0;
     for (index, light) in (0_u32..).zip(&prepared.emitters.lights) {

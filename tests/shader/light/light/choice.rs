@@ -4,13 +4,13 @@ use super::IMPORTS;
 use crate::support::every_kind::{constant_environment, every_kind};
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, floor_pixel, point_light, prepared_for, statistics};
-use direkt::prepare::Prepared;
-use direkt::reference::BrokenTwin;
-use direkt::reference::broken::BROKEN_TWINS;
-use direkt::reference::light::light::{choose_light, own_samples};
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::broken::BROKEN_TWINS;
+use direkt::low_level::reference::light::light::{choose_light, samples_of_light};
+use direkt::low_level::reference::scene::fetch::World;
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
 use direkt::scene::{LightSelection, Strategy};
-use direkt::stats::chi2::{Totals, chi2_test};
 use glam::DVec3;
 
 /// Lights that are chosen from: all kinds, or two of powers 1 : 10⁶.
@@ -39,7 +39,7 @@ fn lights_are_chosen_as_by_the_twin() {
     let context = context();
     let function = Function {
         imports: IMPORTS,
-        body: "let c = choose_light(in_u32(0u)); out_u32(0u, c.index); out_f32(1u, c.probability.value);",
+        body: "let c = choose_light(in_u32(0u)); out_u32(0u, c.index); out_f32(1u, c.expected_samples.value);",
         inputs: 1,
         outputs: 2,
         features: &[],
@@ -72,21 +72,23 @@ fn several_rays_multiply_the_density() {
     for (selection, body) in [
         (
             LightSelection::Power,
-            "let c = choose_light(item * 429496729u); out_u32(0u, c.index); out_f32(1u, c.probability.value);",
+            "let c = choose_light(item * 429496729u); out_u32(0u, c.index); out_f32(1u, c.expected_samples.value);",
         ),
         (
             LightSelection::All,
-            "out_u32(0u, item); out_f32(1u, own_samples(item).value);",
+            "out_u32(0u, item); out_f32(1u, light_with_its_samples(item).expected_samples.value);",
         ),
     ] {
         for strategy in [Strategy::MisPower, Strategy::Bsdf] {
             let mut scene = every_kind(constant_environment());
-            scene.render.shadow_rays = 3;
+            scene.render.estimator.shadow_rays = 3;
             let prepared = prepared_for(scene, strategy, selection);
             assert_eq!(prepared.emitters.lights.len(), count);
             let world = World::new(&prepared);
             let function = Function {
-                imports: &format!("{IMPORTS} import package::light::light::own_samples;"),
+                imports: &format!(
+                    "{IMPORTS} import package::light::light::light_with_its_samples;"
+                ),
                 body,
                 outputs: 2,
                 ..Function::default()
@@ -96,7 +98,7 @@ fn several_rays_multiply_the_density() {
                 let light = index as usize;
                 let p = prepared.emitters.probability(light);
                 let rays = match selection {
-                    LightSelection::All => own_samples(&world, index, prepared.shadow_rays()),
+                    LightSelection::All => samples_of_light(&world, index, prepared.shadow_rays()),
                     _ => prepared.shadow_rays(),
                 };
                 let expected = (f64::from(rays) * p) as f32;

@@ -6,14 +6,14 @@ use crate::support::random::{numbers, rounded};
 use crate::support::rounding::{U, close};
 use crate::support::shader::{Function, call_in, words};
 use crate::support::{context, histogram, statistics};
-use direkt::emitters::Emitter;
-use direkt::reference::BrokenTwin;
-use direkt::reference::broken::BROKEN_TWINS;
-use direkt::reference::light::environment::{
+use direkt::low_level::emitters::Emitter;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::broken::BROKEN_TWINS;
+use direkt::low_level::reference::light::environment::{
     environment_cell_margin, environment_radiance, map_from_direction, pdf_environment,
 };
-use direkt::reference::light::sphere::sample_sphere_area;
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::reference::light::sphere::sample_sphere_area;
+use direkt::low_level::reference::scene::fetch::World;
 use direkt::scene::LightSampling;
 use direkt::scene::environment::Interpolation;
 use glam::{DVec2, DVec3};
@@ -127,7 +127,7 @@ fn the_environment_is_the_twins() {
         let angle = 16.0 * U;
         let linear = prepared
             .effects
-            .contains(direkt::effects::Effect::EnvironmentLinear);
+            .contains(direkt::low_level::effects::Effect::EnvironmentLinear);
         for (w, (radiance, pdf)) in directions.iter().zip(answers.vec3(0).zip(answers.f64(3))) {
             assert!(radiance.is_finite() && pdf.is_finite());
             if environment_cell_margin(&world, *w) < angle {

@@ -5,15 +5,15 @@ use crate::support::random::rounded;
 use crate::support::rounding::U;
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, prepared_for};
-use direkt::accel::PrimitiveGeometry;
-use direkt::emitters::Emitter;
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
-use direkt::reference::core::frame::{ShadingFrame, frame_from_normal};
-use direkt::reference::light::environment::map_from_direction;
-use direkt::reference::light::light::emitted_radiance;
-use direkt::reference::light::sample::LightSample;
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::accel::PrimitiveGeometry;
+use direkt::low_level::emitters::Emitter;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::core::frame::{ShadingFrame, frame_from_normal};
+use direkt::low_level::reference::light::environment::map_from_direction;
+use direkt::low_level::reference::light::light::emitted_radiance;
+use direkt::low_level::reference::light::sample::LightSample;
+use direkt::low_level::reference::scene::fetch::World;
 use direkt::scene::{
     Environment, EnvironmentRadiance, Light, LightSampling, LightSelection, PointLight, SpotLight,
     Strategy,
@@ -27,10 +27,10 @@ mod environment;
 mod samples;
 
 const IMPORTS: &str = "import package::core::frame::frame_from_normal;
-    import package::core::pdf::PdfDiscrete;
+    import package::core::pdf::ExpectedSamples;
     import package::core::ray::Ray;
     import package::core::rng::{pcg4d, to_unit_2d};
-    import package::light::alias_table::Choice;
+    import package::light::sample::LightChoice;
     import package::light::environment::{environment_radiance, pdf_environment};
     import package::light::light::{choose_light, emitted_radiance, sample_chosen_light};
     import package::light::area_light::pdf_area_light;
@@ -40,7 +40,7 @@ const IMPORTS: &str = "import package::core::frame::frame_from_normal;
 
 fn prepared(environment: Environment, sampling: LightSampling) -> Prepared {
     let mut scene = every_kind(environment);
-    scene.render.light_sampling = sampling;
+    scene.render.estimator.light_sampling = sampling;
     prepared_for(scene, Strategy::MisPower, LightSelection::Uniform)
 }
 
@@ -165,7 +165,7 @@ fn directions(
     let body = format!(
         "let words = pcg4d(vec4u(item, 41u, 42u, {seed}u));
          let s = sample_chosen_light(
-             Choice({index}u, PdfDiscrete(1.0)), vec3f({:?}, {:?}, {:?}), frame_from_normal(vec3f(0.0, 0.0, 1.0)),
+             LightChoice({index}u, ExpectedSamples(1.0)), vec3f({:?}, {:?}, {:?}), frame_from_normal(vec3f(0.0, 0.0, 1.0)),
              to_unit_2d(words.xy), words.z);
          out_vec3f(0u, s.wi);
          out_f32(3u, s.pdf.value);",

@@ -6,16 +6,16 @@ use crate::support::random::{numbers, rounded};
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, call_in, words};
 use crate::support::{context, edge_points};
-use direkt::accel::PrimitiveGeometry;
-use direkt::emitters::Emitter;
-use direkt::gpu::Context;
-use direkt::prepare::Prepared;
-use direkt::reference::core::pdf::PdfDiscrete;
-use direkt::reference::light::alias_table::Choice;
-use direkt::reference::light::ellipsoid::Ellipsoid;
-use direkt::reference::light::environment::environment_cell_margin;
-use direkt::reference::light::light::sample_chosen_light;
-use direkt::reference::scene::fetch::World;
+use direkt::low_level::accel::PrimitiveGeometry;
+use direkt::low_level::emitters::Emitter;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::core::pdf::PdfDiscrete;
+use direkt::low_level::reference::light::alias_table::Choice;
+use direkt::low_level::reference::light::ellipsoid::Ellipsoid;
+use direkt::low_level::reference::light::environment::environment_cell_margin;
+use direkt::low_level::reference::light::light::sample_chosen_light;
+use direkt::low_level::reference::scene::fetch::World;
 use direkt::scene::environment::Interpolation;
 use direkt::scene::{Light, LightSampling, PointLight, SpotLight};
 use glam::{DVec2, DVec3};
@@ -31,7 +31,7 @@ struct Item {
 fn sampled(context: &Context, prepared: &Prepared, items: &[Item]) -> Answers {
     let function = Function {
         imports: IMPORTS,
-        body: "let choice = Choice(in_u32(0u), PdfDiscrete(in_f32(1u)));
+        body: "let choice = LightChoice(in_u32(0u), ExpectedSamples(in_f32(1u)));
                let s = sample_chosen_light(
                    choice, in_vec3f(2u), frame_from_normal(vec3f(0.0, 0.0, 1.0)), in_vec2f(5u), in_u32(7u));
                out_vec3f(0u, s.wi); out_vec3f(3u, s.target_point); out_vec3f(6u, s.radiance_over_pdf);
@@ -195,7 +195,7 @@ fn claimed_densities_are_the_evaluated_ones() {
                let x = in_vec3f(1u);
                let facing = frame_from_normal(vec3f(0.0, 0.0, 1.0));
                let s = sample_chosen_light(
-                   Choice(index, PdfDiscrete(light.selection)), x, facing, in_vec2f(4u), in_u32(6u));
+                   LightChoice(index, light.expected_samples), x, facing, in_vec2f(4u), in_u32(6u));
                let ray = Ray(x, s.wi);
                let hit = closest_hit(ray);
                var pdf = 0.0;

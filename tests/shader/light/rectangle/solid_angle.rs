@@ -6,11 +6,11 @@ use super::super::seen::{
 use crate::support::rounding::U;
 use crate::support::shader::{Answers, Function, call, draw, words};
 use crate::support::{context, histogram, statistics};
-use direkt::gpu::Context;
-use direkt::reference::BrokenTwin;
-use direkt::reference::core::frame::to_local;
-use direkt::reference::exact::solid_angle::polygon_solid_angle;
-use direkt::reference::light::rectangle::{
+use direkt::low_level::gpu::Context;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::core::frame::to_local;
+use direkt::low_level::reference::exact::solid_angle::polygon_solid_angle;
+use direkt::low_level::reference::light::rectangle::{
     sample_parallelogram_solid_angle, sample_rectangle_solid_angle, spherical_parallelogram,
     spherical_rectangle,
 };

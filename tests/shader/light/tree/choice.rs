@@ -3,10 +3,10 @@
 use super::{IMPORTS, places, prepared, scene_of, scenes, tree, words};
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, statistics};
-use direkt::emitters::{Emitter, LightTree};
-use direkt::reference::core::rng::pcg4d;
-use direkt::reference::light::tree::{choose_tree_light, pdf_tree_light};
-use direkt::stats::chi2::{Totals, chi2_test};
+use direkt::low_level::emitters::{Emitter, LightTree};
+use direkt::low_level::reference::core::rng::pcg4d;
+use direkt::low_level::reference::light::tree::{choose_tree_light, pdf_tree_light};
+use direkt::low_level::stats::chi2::{Totals, chi2_test};
 use glam::DVec3;
 
 /// The same light from the same words, with the probability that the query tells of it; and the query's answer for every
@@ -20,7 +20,7 @@ fn choice_and_query_are_the_twins_and_each_others() {
             imports: IMPORTS,
             body: "let words = pcg4d(vec4u(item, 7u, 8u, 9u));
                    let c = choose_tree_light(words.x, words, in_vec3f(0u), in_vec3f(3u));
-                   out_u32(0u, c.index); out_f32(1u, c.probability.value);",
+                   out_u32(0u, c.index); out_f32(1u, c.expected_samples.value);",
             inputs: 6,
             outputs: 2,
             features: &[],
@@ -67,8 +67,8 @@ fn the_query_gives_what_the_choice_gave() {
             body: "let words = pcg4d(vec4u(item, 17u, 18u, 19u));
                    let x = in_vec3f(0u); let n = in_vec3f(3u);
                    let c = choose_tree_light(words.x, words, x, n);
-                   let asked = pdf_tree_light(bitcast<u32>(lights[4u * c.index + 3u].w), x, n);
-                   out_u32(0u, c.index); out_f32(1u, c.probability.value); out_f32(2u, asked.value);",
+                   let asked = samples_of_tree_light(bitcast<u32>(lights[4u * c.index + 3u].w), x, n);
+                   out_u32(0u, c.index); out_f32(1u, c.expected_samples.value); out_f32(2u, asked.value);",
             inputs: 6,
             outputs: 3,
             features: &[],
@@ -125,7 +125,7 @@ fn lights_are_chosen_at_their_probability() {
              for (var k = 0u; k < 16u; k += 1u) {{
                  let words = pcg4d(vec4u(item, k, 45u, {seed}u));
                  let c = choose_tree_light(words.x, words, vec3f({:?}, {:?}, {:?}), vec3f({:?}, {:?}, {:?}));
-                 if c.probability.value > 0.0 {{ chosen[c.index] += 1u; }}
+                 if c.expected_samples.value > 0.0 {{ chosen[c.index] += 1u; }}
              }}
              for (var i = 0u; i < {count}u; i += 1u) {{ out_u32(i, chosen[i]); }}",
             x.x, x.y, x.z, n.x, n.y, n.z

@@ -3,10 +3,12 @@
 use super::super::seen::{OF_TRIANGLES, Seen, conditioning, hard_cases, with_points};
 use crate::support::shader::{Answers, Function, call, draw, words};
 use crate::support::{context, histogram, statistics};
-use direkt::gpu::Context;
-use direkt::reference::BrokenTwin;
-use direkt::reference::exact::solid_angle::polygon_solid_angle;
-use direkt::reference::light::triangle::{sample_triangle_solid_angle, spherical_triangle};
+use direkt::low_level::gpu::Context;
+use direkt::low_level::reference::BrokenTwin;
+use direkt::low_level::reference::exact::solid_angle::polygon_solid_angle;
+use direkt::low_level::reference::light::triangle::{
+    sample_triangle_solid_angle, spherical_triangle,
+};
 use glam::{DVec2, DVec3};
 
 const IMPORTS: &str =

@@ -1,13 +1,13 @@
-//! Stamps of kernels that are compiled anew.
+//! CacheBuster of kernels that are compiled anew.
 
 use std::time::SystemTime;
 
 /// Numbers that no kernel is likely to have been compiled with before: drivers keep on disk what they compile. See
 /// [`Session::compiled_anew`](super::Session::compiled_anew).
 #[derive(Debug)]
-pub struct Stamps(u32);
+pub struct CacheBuster(u32);
 
-impl Stamps {
+impl CacheBuster {
     /// Those of this moment.
     pub fn now() -> Self {
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);

@@ -6,7 +6,7 @@ const SECTION: f64 = 0.618_033_988_749_894_8;
 /// The number without a factor in common with `n` that is nearest to the golden section of it; 0 for 0 and 1.
 ///
 /// Its first `n` multiples modulo `n` are all numbers below `n`, each once.
-pub fn coprime(n: u32) -> u32 {
+pub(crate) fn coprime(n: u32) -> u32 {
     let golden = f64::from(n) * SECTION;
     let coprime = |k: &u32| gcd(*k, n) == 1;
     let distance = |k: &u32| (f64::from(*k) - golden).abs();

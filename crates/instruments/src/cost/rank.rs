@@ -1,11 +1,11 @@
 //! From measurements to what is told.
 
+use super::budget::{Measured, Work};
 use super::effects::WithoutNeed;
 use super::estimator::names;
 use super::interval::{Interval, NORMAL_95};
 use super::measures::{Lines, Point, Rank, Reached, ranks, time_ratio};
 use super::reference::{Reference, Source};
-use super::schedule::{Measured, Work};
 use super::{EstimatorCost, ReferenceFacts, SceneCost};
 
 impl Work<'_, '_> {

@@ -4,12 +4,12 @@
 //! numbers, one after another, and their images are compared. Their errors are the same, and of their times the ratios
 //! are told in pairs.
 
+use super::budget::Work;
 use super::error::Errors;
 use super::estimator::Estimator;
-use super::halt::Halt;
+use super::interrupted::Interrupted;
 use super::reference::Reference;
 use super::runner::{Replicates, Runner};
-use super::schedule::Work;
 
 /// Indices of the estimators of each family, the one as the scene calls for it first.
 fn families(estimators: impl Iterator<Item = Estimator>) -> Vec<Vec<usize>> {
@@ -38,7 +38,7 @@ impl Work<'_, '_> {
         let of = |runner: &Runner<'_>| Replicates {
             samples,
             seconds: Vec::new(),
-            errors: Errors::new(self.scene.film, runner.estimator.sampler),
+            errors: Errors::new(self.scene.film, runner.estimator.settings.sampler),
         };
         self.runners.iter().map(of).collect()
     }
@@ -49,7 +49,7 @@ impl Work<'_, '_> {
         current: &mut [Replicates],
         reference: &Reference,
         turns: &mut usize,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), Interrupted> {
         let mut families = self.families();
         let count = families.len();
         families.rotate_left(*turns % count);
@@ -67,7 +67,7 @@ impl Work<'_, '_> {
         current: &mut [Replicates],
         reference: &Reference,
         turns: usize,
-    ) -> Result<(), Halt> {
+    ) -> Result<(), Interrupted> {
         let seed = self.seeds.draw();
         let mut runs = Vec::new();
         for k in 0..family.len() {
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
     use crate::cost::effects::Compiled;
     use crate::cost::estimator::{Choices, combinations};
-    use direkt::effects::Effect;
+    use direkt::low_level::effects::Effect;
     use direkt::scene::{RenderSettings, Sampler};
 
     #[test]

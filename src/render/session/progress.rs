@@ -15,31 +15,31 @@ pub(super) struct Class {
 
 impl Class {
     /// Samples per pixel.
-    pub fn samples(self) -> u64 {
+    pub(crate) fn samples(self) -> u64 {
         self.merged + u64::from(self.position)
     }
 
     /// Its block has been merged: the next one begins.
-    pub fn open_block(&mut self) {
+    pub(crate) fn open_block(&mut self) {
         (self.merged, self.position) = (self.samples(), 0);
     }
 
     /// Whether its block has to be merged before it goes on.
-    pub fn is_full(self) -> bool {
+    pub(crate) fn is_full(self) -> bool {
         self.position == BLOCK_SAMPLES
     }
 }
 
 /// How far the pixels have come: all of them alike, or by the classes of an allocation.
 #[derive(Debug, Clone)]
-pub(super) struct Standing {
+pub(super) struct Progress {
     pub classes: Vec<Class>,
     pub allocation: Option<Arc<Allocation>>,
     /// The level of the allocation that the classes have or are brought to.
     level: u32,
 }
 
-impl Default for Standing {
+impl Default for Progress {
     fn default() -> Self {
         Self {
             classes: vec![Class::default()],
@@ -49,9 +49,9 @@ impl Default for Standing {
     }
 }
 
-impl Standing {
+impl Progress {
     /// Samples per pixel, on the average where they differ.
-    pub fn samples(&self) -> u64 {
+    pub(crate) fn samples(&self) -> u64 {
         let samples = self.classes.iter().map(|class| class.samples());
         match &self.allocation {
             None => self.classes[0].samples(),
@@ -60,13 +60,13 @@ impl Standing {
     }
 
     /// Class of the pixel `index`.
-    pub fn class_of(&self, index: usize) -> usize {
+    pub(crate) fn class_of(&self, index: usize) -> usize {
         let allocation = self.allocation.as_ref();
         allocation.map_or(0, |allocation| allocation.class(index))
     }
 
     /// From now on pixels take samples as `allocation` says. The open block has been merged.
-    pub fn share_out(&mut self, allocation: Allocation) {
+    pub(crate) fn share_out(&mut self, allocation: Allocation) {
         self.classes[0].open_block();
         self.classes = vec![self.classes[0]; CLASSES];
         self.allocation = Some(Arc::new(allocation));
@@ -75,7 +75,7 @@ impl Standing {
 
     /// Samples that the pixels of each class should have after `samples` more per pixel; at most to the end of the open block
     /// where all have the same.
-    pub fn targets(&mut self, samples: u64) -> Vec<u64> {
+    pub(crate) fn targets(&mut self, samples: u64) -> Vec<u64> {
         let Some(allocation) = &self.allocation else {
             let class = self.classes[0];
             let most = class.merged + u64::from(BLOCK_SAMPLES);

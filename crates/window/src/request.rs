@@ -1,7 +1,7 @@
 //! What the window asks the renderer for.
 
-use direkt::effects::Effect;
-use direkt::image::png::Display;
+use direkt::low_level::effects::Effect;
+use direkt::low_level::image::png::Display;
 use direkt::scene::{Camera, FilmSize, RenderSettings, Scene};
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ pub struct Method {
 
 /// Whose turn it is where two views render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Turns {
+pub enum Pacing {
     /// That of the one which has rendered for less time.
     #[default]
     EqualTime,
@@ -55,7 +55,7 @@ impl Layer {
 
 /// All that decides what is rendered and shown.
 #[derive(Debug, Clone)]
-pub struct Job {
+pub struct RenderRequest {
     /// The scene; its camera, size and settings are replaced by those below.
     pub scene: Arc<Scene>,
     /// The camera.
@@ -65,7 +65,7 @@ pub struct Job {
     /// One or two ways to render it.
     pub methods: Vec<Method>,
     /// Who is next where there are two.
-    pub turns: Turns,
+    pub pacing: Pacing,
     /// What is shown.
     pub layer: Layer,
     /// How radiance is shown.
@@ -78,11 +78,19 @@ pub struct Job {
     pub inspected: Option<[f64; 2]>,
 }
 
-impl Job {
+impl RenderRequest {
     /// Whether `other` asks for the same.
     pub fn is(&self, other: &Self) -> bool {
-        let parts = |job: &Self| (job.camera, job.film, job.turns, job.layer, job.display);
-        let states = |job: &Self| (job.moving, job.paused, job.inspected);
+        let parts = |request: &Self| {
+            (
+                request.camera,
+                request.film,
+                request.pacing,
+                request.layer,
+                request.display,
+            )
+        };
+        let states = |request: &Self| (request.moving, request.paused, request.inspected);
         Arc::ptr_eq(&self.scene, &other.scene)
             && parts(self) == parts(other)
             && states(self) == states(other)

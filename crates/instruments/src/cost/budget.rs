@@ -1,16 +1,16 @@
 //! How the budget is spent.
 
-use super::error::{Errors, ImageError, rel_mse, relative_errors};
+use super::error::{Errors, MeasuredError, rel_mse, relative_errors};
 use super::estimator::NotApplicable;
-use super::halt::Halt;
+use super::interrupted::Interrupted;
 use super::measures::{Point, time_spread};
 use super::reference::{self, Reference, Source};
 use super::runner::{Replicates, Runner, Seeds};
 use super::{EqualTime, Progress, SceneCost, Settings};
 use direkt::error::Error;
-use direkt::gpu::Context;
-use direkt::prepare::SceneData;
-use direkt::render::Stamps;
+use direkt::low_level::gpu::Context;
+use direkt::low_level::prepare::SceneData;
+use direkt::low_level::render::CacheBuster;
 use direkt::scene::{Sampler, Scene};
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ pub(super) struct Work<'a, 's> {
     pub(super) own: Option<Runner<'a>>,
     pub(super) not_applicable: Vec<NotApplicable>,
     pub(super) seeds: Seeds,
-    pub(super) stamps: Stamps,
+    pub(super) stamps: CacheBuster,
     /// Seconds of rendering so far.
     pub(super) spent: f64,
     /// Whether to end.
@@ -46,7 +46,7 @@ pub(super) struct Work<'a, 's> {
 }
 
 /// What one estimator gave at growing numbers of samples.
-type Finished = Vec<(Replicates, ImageError)>;
+type Finished = Vec<(Replicates, MeasuredError)>;
 
 /// What a result is told from.
 pub(super) struct Measured {
@@ -69,7 +69,7 @@ pub fn measure(
     settings: &Settings,
     progress: Progress<'_>,
     stop: &dyn Fn() -> bool,
-) -> Result<SceneCost, Halt> {
+) -> Result<SceneCost, Interrupted> {
     let given = given_reference(scene, settings)?;
     let mut work = Work::new(scene, settings, stop);
     work.compile(context, given.is_none(), progress)?;
@@ -119,14 +119,14 @@ impl<'a, 's> Work<'a, 's> {
             own: None,
             not_applicable: Vec::new(),
             seeds: Seeds::new(settings.seed),
-            stamps: Stamps::now(),
+            stamps: CacheBuster::now(),
             spent: 0.0,
             stop,
         }
     }
 
     /// Renders one sample per pixel twice: the first run warms up, the second tells how fast each estimator is.
-    fn pilot(&mut self) -> Result<(), Halt> {
+    fn pilot(&mut self) -> Result<(), Interrupted> {
         for _ in 0..2 {
             for runner in self.runners.iter_mut().chain(&mut self.own) {
                 self.spent += runner.run(self.seeds.draw(), 1, self.stop)?.seconds;
@@ -184,7 +184,7 @@ impl<'a, 's> Work<'a, 's> {
     }
 
     /// Two independent halves, of as many samples as the share pays for.
-    fn render_reference(&mut self) -> Result<(Reference, Source), Halt> {
+    fn render_reference(&mut self) -> Result<(Reference, Source), Interrupted> {
         let budget = self.reference_share() * self.settings.budget;
         let runner = self.own.as_mut().expect("compiled when none is given");
         // More exact than the pilot, where what a run takes besides its samples counts.
@@ -207,7 +207,11 @@ impl<'a, 's> Work<'a, 's> {
     }
 
     /// The curves, then the images at equal time: as far as it gets.
-    fn measure(&mut self, reference: &Reference, progress: Progress<'_>) -> Result<Measured, Halt> {
+    fn measure(
+        &mut self,
+        reference: &Reference,
+        progress: Progress<'_>,
+    ) -> Result<Measured, Interrupted> {
         let (finished, mut interrupted) = self.curves(reference, progress)?;
         let times: Vec<_> = finished.iter().map(|of_one| times(of_one)).collect();
         let share = EQUAL_TIME_SHARE * self.settings.budget / self.runners.len() as f64;
@@ -218,7 +222,7 @@ impl<'a, 's> Work<'a, 's> {
         for i in 0..self.runners.len() {
             let image = match self.equal_time(i, equal_seconds, reference) {
                 Ok(image) => Some(image),
-                Err(Halt::Stopped) => None,
+                Err(Interrupted::Stopped) => None,
                 Err(failed) => return Err(failed),
             };
             interrupted |= image.is_none();
@@ -241,13 +245,13 @@ impl<'a, 's> Work<'a, 's> {
         &mut self,
         reference: &Reference,
         progress: Progress<'_>,
-    ) -> Result<(Vec<Finished>, bool), Halt> {
+    ) -> Result<(Vec<Finished>, bool), Interrupted> {
         let mut finished: Vec<Finished> = self.runners.iter().map(|_| Vec::new()).collect();
         let (mut samples, mut turns) = (1, 0);
         loop {
             let mut current = self.empty(samples);
             let next = self.count(&mut current, reference, &mut turns, progress);
-            let interrupted = matches!(next, Err(Halt::Stopped));
+            let interrupted = matches!(next, Err(Interrupted::Stopped));
             let complete = |of_one: &Replicates| of_one.errors.replicates() >= REPLICATES;
             if current.iter().all(complete) {
                 for (finished, mut current) in finished.iter_mut().zip(current) {
@@ -258,7 +262,7 @@ impl<'a, 's> Work<'a, 's> {
                 }
             }
             if interrupted && finished[0].len() < MIN_COUNTS as usize {
-                return Err(Halt::Stopped);
+                return Err(Interrupted::Stopped);
             }
             if interrupted || !next? {
                 return Ok((finished, interrupted));
@@ -275,7 +279,7 @@ impl<'a, 's> Work<'a, 's> {
         reference: &Reference,
         turns: &mut usize,
         progress: Progress<'_>,
-    ) -> Result<bool, Halt> {
+    ) -> Result<bool, Interrupted> {
         let samples = current[0].samples;
         for _ in 0..REPLICATES {
             progress(&format!("{samples} samples per pixel"), self.spent);
@@ -304,7 +308,7 @@ impl<'a, 's> Work<'a, 's> {
         i: usize,
         seconds: f64,
         reference: &Reference,
-    ) -> Result<EqualTime, Halt> {
+    ) -> Result<EqualTime, Interrupted> {
         let runner = &mut self.runners[i];
         let samples = (seconds / runner.seconds_per_count).round().max(1.0) as u64;
         let run = runner.run(self.seeds.draw(), samples, self.stop)?;
@@ -323,12 +327,12 @@ impl<'a, 's> Work<'a, 's> {
 }
 
 /// One estimator's seconds of each image.
-fn times(measured: &[(Replicates, ImageError)]) -> Vec<Vec<f64>> {
+fn times(measured: &[(Replicates, MeasuredError)]) -> Vec<Vec<f64>> {
     measured.iter().map(|(r, _)| r.seconds.clone()).collect()
 }
 
 /// One estimator's points: how its times scatter is told from all of them together.
-fn points(measured: &[(Replicates, ImageError)], times: &[Vec<f64>]) -> Vec<Point> {
+fn points(measured: &[(Replicates, MeasuredError)], times: &[Vec<f64>]) -> Vec<Point> {
     let spread = time_spread(times);
     let point = |(r, error): &(Replicates, _)| Point::new(r.samples, &r.seconds, spread, *error);
     measured.iter().map(point).collect()
