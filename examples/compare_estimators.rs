@@ -1,4 +1,5 @@
-//! Which strategy is worth its time on a scene: error at equal samples, time, and efficiency 1/(relMSE · s).
+//! Which strategy is worth its time on a scene: error at equal samples, time, and efficiency
+//! 1/(relMSE · s).
 
 use direkt::{Error, LoadOptions, Renderer, Scene, Strategy};
 use std::time::Instant;

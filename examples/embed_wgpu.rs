@@ -1,5 +1,5 @@
-//! In an application that has a device of its own: the image grows pass by pass in the application's texture, which is read back
-//! and saved here instead of shown.
+//! In an application that has a device of its own: the image grows pass by pass in the
+//! application's texture, which is read back and saved here instead of shown.
 
 use direkt::{LoadOptions, Renderer, Scene};
 

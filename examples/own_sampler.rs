@@ -1,5 +1,5 @@
-//! A way of sampling of the reader's own, tested as direkt tests its own: a χ² test of the samples against the density that goes
-//! with them, and one that a wrong density fails.
+//! A way of sampling of the reader's own, tested as direkt tests its own: a χ² test of the samples
+//! against the density that goes with them, and one that a wrong density fails.
 
 use direkt::low_level::reference::core::rng::{pcg4d, to_unit_2d};
 use direkt::low_level::stats::chi2::{Totals, chi2_test};
@@ -27,7 +27,8 @@ fn pdf_cosine(cos_theta: f64) -> f64 {
 const CELLS: [usize; 2] = [8, 16];
 const SAMPLES: u32 = 100_000;
 
-/// What a density expects in each cell of equal height in z and width in azimuth, by the midpoint rule.
+/// What a density expects in each cell of equal height in z and width in azimuth, by the midpoint
+/// rule.
 fn expected(pdf: impl Fn(f64) -> f64) -> Vec<f64> {
     const STEPS: usize = 1000;
     let ring = |i: usize| {

@@ -1,5 +1,6 @@
-//! Lines on stderr and text on stdout. Where nobody can read them (a closed pipe, a full disk, a terminal that is gone) the
-//! text is lost and nothing else; the macros of the standard library panic there.
+//! Lines on stderr and text on stdout. Where nobody can read them (a closed pipe, a full disk, a
+//! terminal that is gone) the text is lost and nothing else; the macros of the standard library
+//! panic there.
 
 use std::fmt::Display;
 use std::io::{Error, ErrorKind, Write};
@@ -10,11 +11,13 @@ static STDOUT_FAILURE: OnceLock<Error> = OnceLock::new();
 
 /// Writes `line` to stderr.
 pub fn say(line: impl Display) {
-    // In one piece, so that the lines of several threads do not mix. There is nowhere to report a failure.
+    // In one piece, so that the lines of several threads do not mix. There is nowhere to report a
+    // failure.
     let _ = std::io::stderr().write_all(format!("{line}\n").as_bytes());
 }
 
-/// Writes `text` to stdout. A reader that went away is no failure; any other is kept for [`stdout_failure`].
+/// Writes `text` to stdout. A reader that went away is no failure; any other is kept for
+/// [`stdout_failure`].
 pub fn print(text: &str) {
     if let Err(error) = write_stdout(text.as_bytes()) {
         // The first one is kept.

@@ -5,8 +5,8 @@
 
 use std::path::{Path, PathBuf};
 
-/// The environment variable that names a folder from which shaders are read instead of those in the binary; what is wrong
-/// with them is then the user's to mend.
+/// The environment variable that names a folder from which shaders are read instead of those in the
+/// binary; what is wrong with them is then the user's to mend.
 pub const SHADERS_VARIABLE: &str = "DIREKT_SHADERS";
 
 /// Everything a direkt command can fail with.
@@ -63,7 +63,8 @@ fn elsewhere(saved_as: Option<&Path>) -> String {
 pub struct InputError {
     /// The file that holds the problem.
     pub file: PathBuf,
-    /// Path of the field inside the file (`shapes[3].radius`), empty when the file as a whole is meant.
+    /// Path of the field inside the file (`shapes[3].radius`), empty when the file as a whole is
+    /// meant.
     pub field: String,
     /// What is wrong, with the value that was found.
     pub problem: String,
@@ -111,8 +112,9 @@ impl std::fmt::Display for InputError {
     }
 }
 
-/// `text`, which may quote a stranger's file, fit for a terminal: control characters are escaped, numbers of many digits are written
-/// with a power of ten, and of what is long the middle is left out.
+/// `text`, which may quote a stranger's file, fit for a terminal: control characters are escaped,
+/// numbers of many digits are written with a power of ten, and of what is long the middle is left
+/// out.
 pub fn readable(text: &str) -> String {
     const MAX_CHARS: usize = 400;
     let mut plain = String::with_capacity(text.len());
@@ -137,7 +139,8 @@ pub fn number(x: f64) -> String {
     with_powers_of_ten(&x.to_string())
 }
 
-/// `text` with `1e300` in place of a 1 and 300 zeros, which is how Rust writes that number. What is quoted stays.
+/// `text` with `1e300` in place of a 1 and 300 zeros, which is how Rust writes that number. What is
+/// quoted stays.
 fn with_powers_of_ten(text: &str) -> String {
     /// More digits than any number has that is written without need of a power.
     const MANY: usize = 22;
@@ -236,7 +239,8 @@ pub enum GpuError {
         /// What the linker or compiler said.
         message: String,
     },
-    /// The device was lost: its driver crashed or was replaced, its watchdog bit, or it was unplugged.
+    /// The device was lost: its driver crashed or was replaced, its watchdog bit, or it was
+    /// unplugged.
     #[error("{adapter}: the device was lost: {message}")]
     Lost {
         /// The adapter's name.
@@ -265,7 +269,8 @@ pub enum GpuError {
 }
 
 impl GpuError {
-    /// Whether the user asked for something this machine does not have, or brought shaders that are wrong (exit code 2).
+    /// Whether the user asked for something this machine does not have, or brought shaders that are
+    /// wrong (exit code 2).
     fn is_about_the_request(&self) -> bool {
         match self {
             Self::NoAdapter

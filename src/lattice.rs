@@ -1,9 +1,11 @@
-//! Lattices by the golden section, whose multiples are spread evenly, as many or few of them as are taken.
+//! Lattices by the golden section, whose multiples are spread evenly, as many or few of them as are
+//! taken.
 
 /// The golden section of 1.
 const SECTION: f64 = 0.618_033_988_749_894_8;
 
-/// The number without a factor in common with `n` that is nearest to the golden section of it; 0 for 0 and 1.
+/// The number without a factor in common with `n` that is nearest to the golden section of it; 0
+/// for 0 and 1.
 ///
 /// Its first `n` multiples modulo `n` are all numbers below `n`, each once.
 pub(crate) fn coprime(n: u32) -> u32 {

@@ -1,5 +1,5 @@
-//! direkt renders direct lighting by Monte Carlo integration in WGSL compute shaders, through wgpu, on any GPU and on
-//! none (Mesa lavapipe is Vulkan in software).
+//! direkt renders direct lighting by Monte Carlo integration in WGSL compute shaders, through wgpu,
+//! on any GPU and on none (Mesa lavapipe is Vulkan in software).
 //!
 //! ```text
 //!     L_o(x,ω_o) = L_e + ∫_H L_i(x,ω) f_r(x,ω,ω_o) cosθ dω                 hemisphere form
@@ -27,11 +27,13 @@
 //!               renderer::Renderer: all of it in one call
 //! ```
 //!
-//! One direction only: `scene ← accel ← emitters ← effects ← prepare ← gpu ← render ← image ← renderer`; a test holds these layers
-//! (`tests/layers.rs` has the table). Beside `gpu`, and without it, [`low_level::reference`] computes in f64 what samples
-//! should be, and [`low_level::stats`] decides whether they are.
+//! One direction only: `scene ← accel ← emitters ← effects ← prepare ← gpu ← render ← image ←
+//! renderer`; a test holds these layers (`tests/layers.rs` has the table). Beside `gpu`, and
+//! without it, [`low_level::reference`] computes in f64 what samples should be, and
+//! [`low_level::stats`] decides whether they are.
 //!
-//! This package is the core: no window, no command line, no plots. Above it stand, as packages that the compiler keeps apart:
+//! This package is the core: no window, no command line, no plots. Above it stand, as packages that
+//! the compiler keeps apart:
 //!
 //! | package | holds |
 //! |---|---|
@@ -51,28 +53,33 @@
 //! # Ok::<(), direkt::Error>(())
 //! ```
 //!
-//! `examples/` has more: `scene_in_code`, `embed_wgpu` (the caller's device and texture), `compare_estimators` and `own_sampler`.
-//! Most programs need no more than what stands at the root of this crate, and [`scene`]; [`low_level`] is what that is made of.
+//! `examples/` has more: `scene_in_code`, `embed_wgpu` (the caller's device and texture),
+//! `compare_estimators` and `own_sampler`. Most programs need no more than what stands at the root
+//! of this crate, and [`scene`]; [`low_level`] is what that is made of.
 //!
 //! # What holds everywhere
 //!
-//! - **Host f64, GPU f32.** The scene is moved to the origin and scaled to [−1, 1] in f64 before anything is rounded; one that
-//!   is much larger than what is in view is centred there ([`scene::normalize`]).
-//! - **Random numbers are counters**: a hash of (pixel, sample, dimension, seed), integers that are the same on every
-//!   device. Dimensions are assigned once for all, so an effect that is compiled in without need changes no bit.
-//! - **An image does not depend on how its passes were cut**: a pixel's state goes on exactly from where it stood, and
-//!   blocks end at multiples of 256 samples.
-//! - **A sample that is not finite is dropped and counted**, with the first pixel and sample of each kind; it is never
-//!   shown.
-//! - **A driver that ends loops early is noticed**: the kernel tells when a traversal did not finish, and the host
-//!   dispatches again from there.
+//! - **Host f64, GPU f32.** The scene is moved to the origin and scaled to [−1, 1] in f64 before
+//!   anything is rounded; one that is much larger than what is in view is centred there
+//!   ([`scene::normalize`]).
+//! - **Random numbers are counters**: a hash of (pixel, sample, dimension, seed), integers that are
+//!   the same on every device. Dimensions are assigned once for all, so an effect that is compiled
+//!   in without need changes no bit.
+//! - **An image does not depend on how its passes were cut**: a pixel's state goes on exactly from
+//!   where it stood, and blocks end at multiples of 256 samples.
+//! - **A sample that is not finite is dropped and counted**, with the first pixel and sample of
+//!   each kind; it is never shown.
+//! - **A driver that ends loops early is noticed**: the kernel tells when a traversal did not
+//!   finish, and the host dispatches again from there.
 //!
 //! # How to add
 //!
-//! - **an effect**: an entry in the table of [`low_level::effects`] with its WESL feature, name and the rule that calls for it; the code
-//!   under `@if(FEATURE)` in a file of `shaders/`, its twin in the file of the same name of [`low_level::reference`], its test in the
-//!   file of the same name of `tests/shader/`, and a scene of it in `scenes/tests/`. Everything else follows from the entry:
-//!   `tests/permutations.rs` links it alone, `explain` tells of it, `compare` compares it. Depth of field, for example, is
+//! - **an effect**: an entry in the table of [`low_level::effects`] with its WESL feature, name and
+//!   the rule that calls for it; the code under `@if(FEATURE)` in a file of `shaders/`, its twin in
+//!   the file of the same name of [`low_level::reference`], its test in the file of the same name
+//!   of `tests/shader/`, and a scene of it in `scenes/tests/`. Everything else follows from the
+//!   entry: `tests/permutations.rs` links it alone, `explain` tells of it, `compare` compares it.
+//!   Depth of field, for example, is
 //!
 //!   ```text
 //!   src/effects/mod.rs                    DepthOfField "DEPTH_OF_FIELD" "depth-of-field" Simulation |r| r.depth_of_field();
@@ -82,9 +89,10 @@
 //!   scenes/tests/thin_lens_blur.toml  a disk out of focus, and the exact value of its blur
 //!   ```
 //!
-//!   An effect that reads new data adds it to [`scene`] with its loader, and a member of `Frame` or a buffer.
-//! - **a light without a surface**: a spot light is in these files; those that are not named after it have one line
-//!   or one case of it:
+//!   An effect that reads new data adds it to [`scene`] with its loader, and a member of `Frame` or
+//!   a buffer.
+//! - **a light without a surface**: a spot light is in these files; those that are not named after
+//!   it have one line or one case of it:
 //!
 //!   ```text
 //!   src/scene/lights/spot.rs           its data, keys in a scene file, checks, power, spread, record
@@ -98,24 +106,29 @@
 //!   tests/shader/light/, scenes/tests/ GPU against twin, and a scene with an exact value
 //!   ```
 //!
-//!   `tests/homes.rs` holds this list. Numbers for the fuzz test are made in `examples/fuzz/harness/numbers.rs`. A light that BSDF-sampled rays reach as well, such as a sun, also needs its density
-//!   in `shaders/kernel/direct.wesl`.
-//! - **a shape that emits**: its case in `shaders/light/area_light.wesl` and `shaders/scene/fetch.wesl`, its `sample_` and `pdf_`
-//!   functions in a file of `shaders/light/`, their twins, its bounds in [`low_level::emitters::tree`], and its effect.
-//! - **a BSDF**: a variant of [`scene::Bsdf`]; if it is not a case of the existing lobes, its `sample_`, `pdf_` and
-//!   `eval_` in `shaders/bsdf/` and its place in `shaders/bsdf/bsdf.wesl`, or in `shaders/bsdf/specular.wesl` where camera
-//!   rays go on in it.
-//! - **an AOV**: a variant of [`scene::Aov`], what it is made of in [`low_level::render::aov`] or in the film, its channels in
-//!   [`low_level::image::layers`], and its row in `docs/aov.md`.
+//!   `tests/homes.rs` holds this list. Numbers for the fuzz test are made in
+//!   `examples/fuzz/harness/numbers.rs`. A light that BSDF-sampled rays reach as well, such as a
+//!   sun, also needs its density in `shaders/kernel/direct.wesl`.
+//! - **a shape that emits**: its case in `shaders/light/area_light.wesl` and
+//!   `shaders/scene/fetch.wesl`, its `sample_` and `pdf_` functions in a file of `shaders/light/`,
+//!   their twins, its bounds in [`low_level::emitters::tree`], and its effect.
+//! - **a BSDF**: a variant of [`scene::Bsdf`]; if it is not a case of the existing lobes, its
+//!   `sample_`, `pdf_` and `eval_` in `shaders/bsdf/` and its place in `shaders/bsdf/bsdf.wesl`, or
+//!   in `shaders/bsdf/specular.wesl` where camera rays go on in it.
+//! - **an AOV**: a variant of [`scene::Aov`], what it is made of in [`low_level::render::aov`] or
+//!   in the film, its channels in [`low_level::image::layers`], and its row in `docs/aov.md`.
 //!
 //! # What is awkward today
 //!
-//! - Glass passes no shadow rays, so that its shadows are black; transmission is smooth, and bodies do not absorb.
+//! - Glass passes no shadow rays, so that its shadows are black; transmission is smooth, and bodies
+//!   do not absorb.
 //! - Lights with an opacity are chosen as often as opaque ones.
-//! - The BVH's boxes lie on one 16-bit grid over the scene: where detail is finer than 1/65,535 of the scene's size,
-//!   boxes are looser than they need be. In scenes more than 4,096 times as large as what is in view the grid is logarithmic
-//!   and the eye its centre; spheres as large as that are warned of, not cut.
-//! - Meshes that exceed a binding (128 MiB on lavapipe: 2.8 million triangles) are refused after they are read.
+//! - The BVH's boxes lie on one 16-bit grid over the scene: where detail is finer than 1/65,535 of
+//!   the scene's size, boxes are looser than they need be. In scenes more than 4,096 times as large
+//!   as what is in view the grid is logarithmic and the eye its centre; spheres as large as that
+//!   are warned of, not cut.
+//! - Meshes that exceed a binding (128 MiB on lavapipe: 2.8 million triangles) are refused after
+//!   they are read.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 #![warn(unnameable_types, unreachable_pub)]

@@ -1,5 +1,5 @@
-//! What [`Renderer`](crate::Renderer) is made of, for instruments, tests and programs that need a part of it. It changes without
-//! notice.
+//! What [`Renderer`](crate::Renderer) is made of, for instruments, tests and programs that need a
+//! part of it. It changes without notice.
 
 #[path = "accel/mod.rs"]
 pub mod accel;

@@ -1,4 +1,5 @@
-//! A render in one call: a [`Renderer`] renders a [`Scene`] to an [`Image`] that says how right it is.
+//! A render in one call: a [`Renderer`] renders a [`Scene`] to an [`Image`] that says how right it
+//! is.
 
 use crate::error::Error;
 use crate::gpu::Context;
@@ -27,27 +28,30 @@ impl Renderer {
         Ok(Self { context })
     }
 
-    /// A renderer on the caller's device. WebGPU's default limits are enough for all but large scenes and images.
+    /// A renderer on the caller's device. WebGPU's default limits are enough for all but large
+    /// scenes and images.
     pub fn from_device(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         let context = Context::of_device(device, queue);
         Self { context }
     }
 
-    /// Renders `scene` until the first of [`RenderSettings::spp`], `time` and `error` is reached, or no sample finds any light.
-    /// What of a file has no meaning is in [`Scene::warnings`], which is the caller's to show.
+    /// Renders `scene` until the first of [`RenderSettings::spp`], `time` and `error` is reached,
+    /// or no sample finds any light. What of a file has no meaning is in [`Scene::warnings`], which
+    /// is the caller's to show.
     ///
     /// [`RenderSettings::spp`]: crate::RenderSettings::spp
     ///
     /// # Errors
-    /// A number of the scene is out of its domain, the scene is too large for the device, or the driver fails, with which the
-    /// image is lost.
+    /// A number of the scene is out of its domain, the scene is too large for the device, or the
+    /// driver fails, with which the image is lost.
     pub fn render(&self, scene: Scene) -> Result<Image, Error> {
         let mut progress = self.begin(scene)?;
         while progress.pass()?.is_none() {}
         progress.image_with_aovs()
     }
 
-    /// Begins to render `scene`, pass by pass; [`RenderSettings::time`](crate::RenderSettings::time) begins now.
+    /// Begins to render `scene`, pass by pass;
+    /// [`RenderSettings::time`](crate::RenderSettings::time) begins now.
     ///
     /// # Errors
     /// A number of the scene is out of its domain, or the scene is too large for the device.
@@ -75,8 +79,8 @@ pub struct ProgressiveRender<'a> {
 }
 
 impl ProgressiveRender<'_> {
-    /// Takes every pixel a few samples further, as many as a fraction of a second allows; once the render has ended, nothing but
-    /// what ended it.
+    /// Takes every pixel a few samples further, as many as a fraction of a second allows; once the
+    /// render has ended, nothing but what ended it.
     ///
     /// # Errors
     /// The driver fails.
@@ -110,7 +114,8 @@ impl ProgressiveRender<'_> {
         })
     }
 
-    /// The image so far with the AOVs of [`RenderSettings::aovs`], some of which have rays of their own.
+    /// The image so far with the AOVs of [`RenderSettings::aovs`], some of which have rays of their
+    /// own.
     ///
     /// # Errors
     /// The driver fails.
@@ -152,7 +157,8 @@ impl Image {
         self.film.pixels.iter().map(|pixel| pixel.mean)
     }
 
-    /// Standard error of every pixel's radiance, row by row; `None` while a pixel has fewer than two samples.
+    /// Standard error of every pixel's radiance, row by row; `None` while a pixel has fewer than
+    /// two samples.
     pub fn standard_errors(&self) -> Option<Vec<[f64; 3]>> {
         let variances = self.film.variances()?;
         let root = |variance: [f64; 3]| variance.map(f64::sqrt);
@@ -190,8 +196,9 @@ impl Image {
         }
     }
 
-    /// Writes the image into a texture of its size that may be copied to: linear radiance into `Rgba32Float` and `Rgba16Float`,
-    /// sRGB into `Rgba8Unorm` and `Rgba8UnormSrgb`; alpha is 1. Of an array its first layer, of mipmaps the largest.
+    /// Writes the image into a texture of its size that may be copied to: linear radiance into
+    /// `Rgba32Float` and `Rgba16Float`, sRGB into `Rgba8Unorm` and `Rgba8UnormSrgb`; alpha is 1. Of
+    /// an array its first layer, of mipmaps the largest.
     ///
     /// # Errors
     /// The texture has another size or format, or may not be copied to.

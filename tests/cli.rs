@@ -18,7 +18,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// The command in the project's folder, with the vectors that its users have: `./lavapipe` makes those of tests narrower.
+/// The command in the project's folder, with the vectors that its users have: `./lavapipe` makes
+/// those of tests narrower.
 fn direkt() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_direkt"));
     command.current_dir(crate::support::PROJECT);

@@ -19,7 +19,8 @@ fn every_canary_counts_and_only_known_drivers_cut_loops() {
             context.adapter.name
         );
     }
-    // Mesa 22's lavapipe ends all loops of an invocation after 65,535 iterations; nothing else is known to.
+    // Mesa 22's lavapipe ends all loops of an invocation after 65,535 iterations; nothing else is
+    // known to.
     let old_lavapipe = context.adapter.software && context.adapter.driver.contains("Mesa 22.");
     assert_eq!(
         budget.is_unlimited(),
@@ -92,7 +93,8 @@ fn elementary_functions_are_as_accurate_as_promised() {
     }
 }
 
-/// HARD CASES L4: a shader that asks for subgroups does not compile everywhere; direkt's ask for none.
+/// HARD CASES L4: a shader that asks for subgroups does not compile everywhere; direkt's ask for
+/// none.
 #[test]
 fn no_shader_needs_subgroups() {
     let context = context();

@@ -1,4 +1,5 @@
-//! The source files that name one kind of light or one sampler: few, and listed here. Tests, examples and re-exports do not count.
+//! The source files that name one kind of light or one sampler: few, and listed here. Tests,
+//! examples and re-exports do not count.
 
 use crate::support::project;
 use crate::support::source::{code, source_files};
@@ -48,8 +49,8 @@ const GUESTS: [(&str, &[&str]); 4] = [
     ),
 ];
 
-/// The files of the core that name a sampler, beside its definition in `src/scene/sampler.rs`; a point set of its own is a file of
-/// `shaders/core/` and its twin on top.
+/// The files of the core that name a sampler, beside its definition in `src/scene/sampler.rs`; a
+/// point set of its own is a file of `shaders/core/` and its twin on top.
 const HOME_OF_SAMPLERS: [&str; 3] = [
     "shaders/core/sampler.wesl",
     "src/effects/mod.rs",

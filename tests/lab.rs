@@ -1,5 +1,5 @@
-//! The lab's experiments: with a seed that is not the command's, every measured value agrees with the exact one, and with
-//! densities 2 % too large none of the experiments passes.
+//! The lab's experiments: with a seed that is not the command's, every measured value agrees with
+//! the exact one, and with densities 2 % too large none of the experiments passes.
 
 use crate::support::context;
 use crate::support::statistics::{accept, family};

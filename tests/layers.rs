@@ -1,5 +1,6 @@
-//! Which module may import which: the layers of the core, from the lowest to the highest. What lies above it (instruments,
-//! window, command line) are packages of their own, which the compiler keeps apart.
+//! Which module may import which: the layers of the core, from the lowest to the highest. What lies
+//! above it (instruments, window, command line) are packages of their own, which the compiler keeps
+//! apart.
 
 use crate::support::project;
 use crate::support::source::{code, source_files};
@@ -43,7 +44,8 @@ const LAYERS: [(&str, &[&str]); 17] = [
     ("lib", &[]),
 ];
 
-/// Modules of the crate that `text` names outside comments and its own unit tests, which end a file.
+/// Modules of the crate that `text` names outside comments and its own unit tests, which end a
+/// file.
 fn imports(text: &str) -> BTreeSet<String> {
     let code = code(text);
     let names = code.split("crate::").skip(1);

@@ -1,4 +1,5 @@
-//! Host structs and constants against the shaders': every member's name, offset and size, by naga's reflection.
+//! Host structs and constants against the shaders': every member's name, offset and size, by naga's
+//! reflection.
 
 use direkt::low_level::gpu::layout::{
     self, Dispatch, FeatureSums, Frame, PixelState, SampleRecord, SurfaceRecord,

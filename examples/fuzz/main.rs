@@ -6,10 +6,11 @@
 //! cargo run --release --example fuzz -- --reader exr target/fuzz/exr-0.exr # inputs that were found
 //! ```
 //!
-//! Valid files are damaged at random, in bytes, words, lines, numbers and JSON values, and read. An input may become a
-//! scene, which then has to be fit for the GPU, or one line that says what is wrong. A panic, more than 5 s, or more memory
-//! than 64 MiB and 1000 times the input's size is a failure: the input is written to `--failures`, and the exit code is 1. The
-//! slowest input is written there in any case.
+//! Valid files are damaged at random, in bytes, words, lines, numbers and JSON values, and read. An
+//! input may become a scene, which then has to be fit for the GPU, or one line that says what is
+//! wrong. A panic, more than 5 s, or more memory than 64 MiB and 1000 times the input's size is a
+//! failure: the input is written to `--failures`, and the exit code is 1. The slowest input is
+//! written there in any case.
 //! A crash that ends the process leaves its input in the folder that the first line names.
 
 mod harness;

@@ -34,7 +34,8 @@ fn grow(bytes: usize) -> bool {
     true
 }
 
-// SAFETY: every call goes to the system's allocator with the arguments as they came, or fails with a null pointer.
+// SAFETY: every call goes to the system's allocator with the arguments as they came, or fails with
+// a null pointer.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         if !grow(layout.size()) {

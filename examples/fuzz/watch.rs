@@ -28,8 +28,8 @@ pub fn end() {
     BEGUN.store(0, Relaxed);
 }
 
-/// Watches from now on: when an input hangs, copies `input`, the file that holds it, to `kept` and exits with 1. What was
-/// watched before is not any more.
+/// Watches from now on: when an input hangs, copies `input`, the file that holds it, to `kept` and
+/// exits with 1. What was watched before is not any more.
 pub fn start(input: PathBuf, kept: PathBuf) {
     let mut watched = WATCHED.lock().unwrap_or_else(PoisonError::into_inner);
     if watched.replace((input, kept)).is_none() {

@@ -1,7 +1,8 @@
-//! What triangles carry beside their geometry: vertex normals, texture coordinates, vertex colours and tangents.
+//! What triangles carry beside their geometry: vertex normals, texture coordinates, vertex colours
+//! and tangents.
 //!
-//! Held as the words that the GPU reads (`shaders/scene/attributes.wesl`), so that its twin in f64 interpolates the same
-//! numbers.
+//! Held as the words that the GPU reads (`shaders/scene/attributes.wesl`), so that its twin in f64
+//! interpolates the same numbers.
 
 use super::octahedral::octahedral;
 use super::{Primitive, PrimitiveGeometry};
@@ -57,15 +58,17 @@ impl Attributed {
 /// The attributes of all primitives.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Attributes {
-    /// Per triangle that has any: three words of its normals (octahedrally encoded) and texture coordinates, where it has
-    /// either, then one word for the colour of each vertex, where it has colours, one for the tangent of each, where it has
-    /// tangents, and two of further texture coordinates.
+    /// Per triangle that has any: three words of its normals (octahedrally encoded) and texture
+    /// coordinates, where it has either, then one word for the colour of each vertex, where it has
+    /// colours, one for the tangent of each, where it has tangents, and two of further texture
+    /// coordinates.
     pub words: Vec<[f32; 4]>,
     /// Per primitive.
     pub of_primitive: Vec<Attributed>,
 }
 
-/// Cosine beyond which vertex normals count as the triangle's own: what rounding makes of parallel ones.
+/// Cosine beyond which vertex normals count as the triangle's own: what rounding makes of parallel
+/// ones.
 const FLAT: f64 = 1.0 - 1e-12;
 
 impl Attributes {
@@ -93,7 +96,8 @@ impl Attributes {
         [[ax, ay], [bx, by], [cx, cy]]
     }
 
-    /// Colours at the vertices of the triangle `of`, which has them: linear red, green, blue, and alpha.
+    /// Colours at the vertices of the triangle `of`, which has them: linear red, green, blue, and
+    /// alpha.
     pub fn colors(&self, of: &Attributed) -> [[f32; 4]; 3] {
         let first = of.color_word();
         [0, 1, 2].map(|corner| self.words[first + corner])
@@ -138,7 +142,8 @@ impl Attributes {
         attributed
     }
 
-    /// Adds the words of a triangle whose edges are `edges`. Returns its least vertex alpha as well.
+    /// Adds the words of a triangle whose edges are `edges`. Returns its least vertex alpha as
+    /// well.
     fn add_triangle(
         &mut self,
         mesh: &Mesh,
@@ -201,7 +206,8 @@ struct TriangleUvs {
 }
 
 impl TriangleUvs {
-    /// All that `material`, which `primitive` has, reads, or none: where one set is missing no texture is read.
+    /// All that `material`, which `primitive` has, reads, or none: where one set is missing no
+    /// texture is read.
     fn new(scene: &Scene, primitive: &Primitive, material: &Material) -> Self {
         let textured = material.texture_uses().next().is_some();
         let twofold = material.reads_second_uvs();
@@ -244,8 +250,8 @@ fn vertex_normals(mesh: &Mesh, corners: [usize; 3], own: DVec3) -> Option<[DVec3
 /// Cosine beyond which tangents are those that texture coordinates give: an angle of 10⁻⁴.
 const SAME_TANGENT: f64 = 1.0 - 5e-9;
 
-/// Unit tangents, where there are any and not all of them are what the texture coordinates `uvs` give (glTF 2.0, section
-/// 3.7.2.1). Without vertex normals they do not count.
+/// Unit tangents, where there are any and not all of them are what the texture coordinates `uvs`
+/// give (glTF 2.0, section 3.7.2.1). Without vertex normals they do not count.
 fn vertex_tangents(
     mesh: &Mesh,
     corners: [usize; 3],
@@ -291,8 +297,8 @@ fn vertex_colors(mesh: &Mesh, corners: [usize; 3]) -> Option<[Vec4; 3]> {
     colors.iter().any(|c| *c != Vec4::ONE).then_some(colors)
 }
 
-/// Texture coordinates at a primitive's points a, a + u and a + v, those of the second set where `second`; `None` where it has
-/// none.
+/// Texture coordinates at a primitive's points a, a + u and a + v, those of the second set where
+/// `second`; `None` where it has none.
 pub fn texture_coordinates(
     scene: &Scene,
     primitive: &Primitive,

@@ -29,7 +29,8 @@ fn boxed(p: &Primitive) -> Boxed {
     Boxed(Aabb::new(down(low), up(high)))
 }
 
-/// Reorders `primitives` into leaf order and returns the hierarchy over them. Without primitives it holds no node.
+/// Reorders `primitives` into leaf order and returns the hierarchy over them. Without primitives it
+/// holds no node.
 pub fn build(primitives: &mut Vec<Primitive>) -> Bvh {
     if primitives.is_empty() {
         return Bvh::default();
@@ -47,8 +48,9 @@ pub fn build(primitives: &mut Vec<Primitive>) -> Bvh {
 /// Distances from the centre that lie between two parts of an extreme scene, as a power of two.
 const PART: f64 = 10.0;
 
-/// The same for an extreme scene: primitives farther from the centre form parts of their own, each split at its medians. The
-/// better builder sorts centres on a grid of 2²¹ cells per axis and compares areas in f32, which is too coarse here.
+/// The same for an extreme scene: primitives farther from the centre form parts of their own, each
+/// split at its medians. The better builder sorts centres on a grid of 2²¹ cells per axis and
+/// compares areas in f32, which is too coarse here.
 pub fn build_extreme(primitives: &mut Vec<Primitive>, normalization: &Normalization) -> Bvh {
     if primitives.is_empty() {
         return Bvh::default();
@@ -94,8 +96,8 @@ fn parameters(count: usize) -> BvhBuildParams {
     }
 }
 
-/// A balanced hierarchy by object median along the longest axis: for scenes on which the better builder goes deeper
-/// than the traversal's stack. Its depth is ⌈log₂ n⌉.
+/// A balanced hierarchy by object median along the longest axis: for scenes on which the better
+/// builder goes deeper than the traversal's stack. Its depth is ⌈log₂ n⌉.
 fn median_split(boxes: &[Boxed]) -> Bvh2 {
     let mut bvh2 = Bvh2 {
         primitive_indices: (0..boxes.len() as u32).collect(),

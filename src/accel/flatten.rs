@@ -1,4 +1,5 @@
-//! The hierarchy as the GPU reads it: boxes on a 16-bit grid over the scene, two children per 32-byte node.
+//! The hierarchy as the GPU reads it: boxes on a 16-bit grid over the scene, two children per
+//! 32-byte node.
 
 use super::grid::Grid;
 use obvhs::aabb::Aabb;
@@ -12,7 +13,8 @@ pub const MAX_LEAF_PRIMITIVES: u32 = 8;
 pub const MAX_PRIMITIVES: u64 = 1 << 28;
 /// Marks a reference as a leaf.
 pub const LEAF: u32 = 0x8000_0000;
-/// An inner node. Per child three words, one per axis (lower plane in the low half), and a reference.
+/// An inner node. Per child three words, one per axis (lower plane in the low half), and a
+/// reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Node {
@@ -58,8 +60,8 @@ pub fn flatten(bvh2: &Bvh2) -> Bvh {
     flatten_all(&[bvh2], grid)
 }
 
-/// The hierarchy that holds all of `parts`, whose primitives are already in the order of their leaves, one part after the
-/// other.
+/// The hierarchy that holds all of `parts`, whose primitives are already in the order of their
+/// leaves, one part after the other.
 pub fn flatten_all(parts: &[&Bvh2], grid: Grid) -> Bvh {
     let nodes = parts.iter().map(|part| part.nodes.len() / 2 + 1).sum();
     let mut out = Bvh {

@@ -4,17 +4,19 @@ use glam::{DVec3, Vec3};
 
 /// Cells of the even grid per axis.
 const CELLS: f64 = 65_535.0;
-/// Boxes grow by this many cells before they are rounded outwards: more than the slab test's rounding, which is at
-/// most 2⁻²⁴ of the grid per operation.
+/// Boxes grow by this many cells before they are rounded outwards: more than the slab test's
+/// rounding, which is at most 2⁻²⁴ of the grid per operation.
 const PADDING: f64 = 0.0625;
-/// On the logarithmic grid they grow by this part of their distance from the centre: more than the slab test's rounding.
+/// On the logarithmic grid they grow by this part of their distance from the centre: more than the
+/// slab test's rounding.
 const RELATIVE_PADDING: f64 = 1.0 / 2048.0;
-/// And by this part of the box's largest coordinate: a primitive so far away is met within as much beside itself.
+/// And by this part of the box's largest coordinate: a primitive so far away is met within as much
+/// beside itself.
 const FAR_PADDING: f64 = 1.0 / 1_048_576.0;
 /// And by this part of the radius within which rays begin that the camera can tell from others.
 const NEAR_PADDING: f64 = 1.0 / 16_384.0;
-/// The word of a plane is the upper half of an f32 without the exponent's two highest bits, which are 01: those of its
-/// exponents are −63 to 0.
+/// The word of a plane is the upper half of an f32 without the exponent's two highest bits, which
+/// are 01: those of its exponents are −63 to 0.
 const LOWEST_EXPONENT: u32 = 0x2000_0000;
 /// Bits of an f32 below those of a plane's word.
 const SHIFT: u32 = 14;
@@ -28,7 +30,8 @@ pub struct Grid {
     pub origin: Vec3,
     /// Cells per unit length, or what maps the scene to [−1, 1].
     pub scale: Vec3,
-    /// Whether planes lie closer together the nearer they are to the centre: where a scene is extreme.
+    /// Whether planes lie closer together the nearer they are to the centre: where a scene is
+    /// extreme.
     pub logarithmic: bool,
     /// What planes of a logarithmic grid are moved outwards by, in units of the grid.
     padding: f64,
@@ -58,7 +61,8 @@ impl Grid {
         }
     }
 
-    /// The logarithmic grid over coordinates up to `reach`, for rays that begin within about `radius` of the centre.
+    /// The logarithmic grid over coordinates up to `reach`, for rays that begin within about
+    /// `radius` of the centre.
     pub fn logarithmic(reach: f64, radius: f64) -> Self {
         let scale = (-reach.log2().ceil()).exp2();
         Self {
@@ -79,8 +83,8 @@ impl Grid {
         self.box_words((low - cell).as_vec3(), (high + cell).as_vec3())
     }
 
-    /// The words of a box of normalised space, as a node has them: the planes of an axis each, moved outwards, the lower one in
-    /// the low half.
+    /// The words of a box of normalised space, as a node has them: the planes of an axis each,
+    /// moved outwards, the lower one in the low half.
     pub fn box_words(&self, low: Vec3, high: Vec3) -> [u32; 3] {
         let [origin, scale] = [self.origin, self.scale].map(|v| v.as_dvec3());
         let [low, high] = [low, high].map(|p| (p.as_dvec3() - origin) * scale);

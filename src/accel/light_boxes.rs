@@ -1,7 +1,7 @@
 //! Boxes around what emits.
 //!
-//! A ray that looks for direct light need not be traced where it enters none of them: whatever it meets is dark. Most
-//! BSDF-sampled rays are such, as lights are small.
+//! A ray that looks for direct light need not be traced where it enters none of them: whatever it
+//! meets is dark. Most BSDF-sampled rays are such, as lights are small.
 
 use super::flatten::Bvh;
 use glam::DVec3;
@@ -12,8 +12,8 @@ pub const MAX_LIGHT_BOXES: usize = 8;
 /// Lower and upper corner of a box.
 type Box3 = (DVec3, DVec3);
 
-/// At most [`MAX_LIGHT_BOXES`] boxes, in words as those of the nodes of `bvh`, around the boxes `emitting`: each by itself, or
-/// where they are too many, neighbours together.
+/// At most [`MAX_LIGHT_BOXES`] boxes, in words as those of the nodes of `bvh`, around the boxes
+/// `emitting`: each by itself, or where they are too many, neighbours together.
 pub fn light_boxes(bvh: &Bvh, mut emitting: Vec<Box3>) -> Vec<[u32; 3]> {
     let mut around = Vec::new();
     cluster(&mut emitting, MAX_LIGHT_BOXES, &mut around);
@@ -23,7 +23,8 @@ pub fn light_boxes(bvh: &Bvh, mut emitting: Vec<Box3>) -> Vec<[u32; 3]> {
     words.collect()
 }
 
-/// Puts all of `boxes` into `parts` boxes at most, by halving them along the axis on which their middles differ most.
+/// Puts all of `boxes` into `parts` boxes at most, by halving them along the axis on which their
+/// middles differ most.
 fn cluster(boxes: &mut [Box3], parts: usize, out: &mut Vec<Box3>) {
     let union = |(low, high): Box3, b: &Box3| (low.min(b.0), high.max(b.1));
     let Some((&first, others)) = boxes.split_first() else {

@@ -1,8 +1,8 @@
 //! Acceleration: the scene's primitives and a bounding volume hierarchy over them.
 //!
-//! [`mod@primitives`] flattens shapes into triangles, rectangles, disks, spheres and ellipsoids in normalised space; [`mod@build`] makes
-//! a binary BVH (by `obvhs`); [`flatten`] turns it into the nodes that the GPU reads; [`mod@light_boxes`] tells which rays can meet a
-//! light.
+//! [`mod@primitives`] flattens shapes into triangles, rectangles, disks, spheres and ellipsoids in
+//! normalised space; [`mod@build`] makes a binary BVH (by `obvhs`); [`flatten`] turns it into the
+//! nodes that the GPU reads; [`mod@light_boxes`] tells which rays can meet a light.
 
 pub mod attributes;
 pub mod build;

@@ -1,5 +1,5 @@
-//! Unit vectors in two numbers: the octahedron |x| + |y| + |z| = 1, unfolded into the square [−1, 1]² (Cigolle et al. 2014, "A
-//! Survey of Efficient Representations for Independent Unit Vectors").
+//! Unit vectors in two numbers: the octahedron |x| + |y| + |z| = 1, unfolded into the square [−1,
+//! 1]² (Cigolle et al. 2014, "A Survey of Efficient Representations for Independent Unit Vectors").
 
 use glam::{DVec2, DVec3};
 

@@ -1,5 +1,5 @@
-//! The arrays that grow with a scene's triangles: its nodes, primitives and attributes. Where one is too long for a binding,
-//! all are split into parts.
+//! The arrays that grow with a scene's triangles: its nodes, primitives and attributes. Where one
+//! is too long for a binding, all are split into parts.
 
 /// Most parts of an array.
 pub const PARTS: usize = 6;
@@ -24,7 +24,8 @@ pub struct Split {
 }
 
 impl Split {
-    /// The split that `nodes`, `primitives` and `words` of attributes need; `None` where each of the arrays fits a binding.
+    /// The split that `nodes`, `primitives` and `words` of attributes need; `None` where each of
+    /// the arrays fits a binding.
     pub fn of(nodes: usize, primitives: usize, words: usize) -> Option<Self> {
         let holds = |split: Self, parts: usize| {
             nodes <= parts * split.nodes

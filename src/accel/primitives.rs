@@ -78,8 +78,8 @@ impl PrimitiveGeometry {
         }
     }
 
-    /// Whether it is a parallelogram whose edges are not orthogonal, or an ellipse whose half axes are not: by more than
-    /// what writing them with seven digits turns them.
+    /// Whether it is a parallelogram whose edges are not orthogonal, or an ellipse whose half axes
+    /// are not: by more than what writing them with seven digits turns them.
     pub fn is_skewed(&self) -> bool {
         match *self {
             Self::Rectangle { u, v, .. } | Self::Disk { u, v, .. } => {

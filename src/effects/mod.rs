@@ -1,8 +1,10 @@
-//! What a scene calls for: every piece of shader code that is not always there, and the reason why it is.
+//! What a scene calls for: every piece of shader code that is not always there, and the reason why
+//! it is.
 //!
-//! An effect is derived from the scene, never declared by the user. Each maps to a WESL feature: code under
-//! `@if(GLOSSY)` is not in the WGSL unless some material has a microfacet lobe. The table below is the whole list: an entry
-//! per effect, with the rule that calls for it; what the scale of a scene calls for is decided where that is measured, in
+//! An effect is derived from the scene, never declared by the user. Each maps to a WESL feature:
+//! code under `@if(GLOSSY)` is not in the WGSL unless some material has a microfacet lobe. The
+//! table below is the whole list: an entry per effect, with the rule that calls for it; what the
+//! scale of a scene calls for is decided where that is measured, in
 //! [`Prepared`](crate::prepare::Prepared).
 
 mod rules;
@@ -43,7 +45,8 @@ macro_rules! effects {
                 match self { $(Self::$variant => $name,)* }
             }
 
-            /// Whether it is a way of sampling: compiled in without need it changes the image's noise.
+            /// Whether it is a way of sampling: compiled in without need it changes the image's
+            /// noise.
             pub fn is_way_of_sampling(self) -> bool {
                 let kind = match self { $(Self::$variant => Kind::$kind,)* };
                 kind == Kind::Sampling
@@ -128,7 +131,8 @@ effects! {
     /// Disks that emit.
     DiskLights "LIGHT_DISKS" "disk-lights" Simulation
         |r| r.emitting_shape(|s, sampled| sampled && matches!(s, Shape::Disk { .. }));
-    /// Parallelograms that emit and are not rectangles, and ellipses whose half axes are not orthogonal.
+    /// Parallelograms that emit and are not rectangles, and ellipses whose half axes are not
+    /// orthogonal.
     SkewedLights "LIGHT_SKEWED" "skewed-lights" Simulation |r| r.emitting_shape(|s, sampled| sampled && s.is_skewed());
     /// Spheres that emit.
     SphereLights "LIGHT_SPHERES" "sphere-lights" Simulation
@@ -174,8 +178,8 @@ effects! {
     AlphaLights "ALPHA_LIGHTS" "alpha-lights" Simulation |r| r.alpha_lights();
     /// Directions are chosen in proportion to the BSDF.
     SampleBsdf "SAMPLE_BSDF" "bsdf-sampling" Sampling |r| r.bsdf_sampling();
-    /// BSDF-sampled rays that may find light beyond all surfaces: without, only those are traced that come near a surface that
-    /// emits.
+    /// BSDF-sampled rays that may find light beyond all surfaces: without, only those are traced
+    /// that come near a surface that emits.
     EscapingRays "ESCAPING_RAYS" "escaping-rays" Simulation |r| r.escaping_rays();
     /// Directions are chosen uniformly over the hemisphere.
     UniformHemisphere "HEMISPHERE_UNIFORM" "uniform-hemisphere" Sampling |r| r.directions(Strategy::UniformHemisphere);
@@ -206,7 +210,8 @@ effects! {
 }
 
 impl Effect {
-    /// Whether it can be compiled in without need, and changes no bit of the image then: it is no way of sampling.
+    /// Whether it can be compiled in without need, and changes no bit of the image then: it is no
+    /// way of sampling.
     pub fn can_be_forced(self) -> bool {
         !self.is_way_of_sampling()
     }
@@ -236,7 +241,8 @@ impl Effects {
         self.0.entry(effect).or_insert_with(reason);
     }
 
-    /// Whether `effect` is not among them and can be compiled in all the same; see [`Effect::can_be_forced`].
+    /// Whether `effect` is not among them and can be compiled in all the same; see
+    /// [`Effect::can_be_forced`].
     pub fn can_force(&self, effect: Effect) -> bool {
         effect.can_be_forced() && !self.contains(effect)
     }

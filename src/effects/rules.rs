@@ -55,7 +55,8 @@ pub(super) fn conductor(material: &Material) -> Option<String> {
     }
 }
 
-/// The width of a lobe that loses energy by leaving out what meets several facets; a coat's is not compensated.
+/// The width of a lobe that loses energy by leaving out what meets several facets; a coat's is not
+/// compensated.
 fn rough_metal(material: &Material) -> Option<String> {
     let lobe = material.bsdf.parameters().specular?;
     let masked = material.bsdf.masked_alpha();
@@ -197,8 +198,8 @@ impl Rules<'_> {
         wanted.then(|| self.material(rough_metal)).flatten()
     }
 
-    /// The first shape that emits and for which `wanted` holds; the second argument tells whether light sampling chooses
-    /// it.
+    /// The first shape that emits and for which `wanted` holds; the second argument tells whether
+    /// light sampling chooses it.
     pub(super) fn emitting_shape(
         &self,
         wanted: fn(&PrimitiveGeometry, bool) -> bool,

@@ -1,9 +1,11 @@
-//! Area-preserving maps between the unit square and primitives' coordinates (s, t), and their inverses.
+//! Area-preserving maps between the unit square and primitives' coordinates (s, t), and their
+//! inverses.
 
 use glam::DVec2;
 use std::f64::consts::FRAC_PI_4;
 
-/// The triangle s, t ≥ 0, s + t ≤ 1 (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
+/// The triangle s, t ≥ 0, s + t ≤ 1 (Heitz 2019, "A Low-Distortion Map Between Triangle and
+/// Square").
 pub fn square_to_triangle(u: DVec2) -> DVec2 {
     if u.y > u.x {
         let s = 0.5 * u.x;
@@ -23,8 +25,8 @@ pub fn triangle_to_square(st: DVec2) -> DVec2 {
     }
 }
 
-/// The unit disk: concentric map (Shirley & Chiu 1997, "A Low Distortion Map Between Disk and Square"). The centre maps to
-/// itself.
+/// The unit disk: concentric map (Shirley & Chiu 1997, "A Low Distortion Map Between Disk and
+/// Square"). The centre maps to itself.
 pub fn square_to_disk(u: DVec2) -> DVec2 {
     let p = 2.0 * u - DVec2::ONE;
     let wide = p.x.abs() > p.y.abs();

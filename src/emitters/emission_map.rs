@@ -1,4 +1,5 @@
-//! Emission that varies over a primitive, and the grid by which points on it are chosen in proportion to it.
+//! Emission that varies over a primitive, and the grid by which points on it are chosen in
+//! proportion to it.
 
 use super::area_map::{square_to_disk, square_to_triangle};
 use super::{is_lit, luminance};
@@ -9,8 +10,8 @@ use crate::scene::{Scene, ShapeId, Texture, TextureUse, lookup};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// The texture of a light's emission and a grid over the unit square that the light's points come from: a cell is chosen
-/// in proportion to the mean luminance there, and a point in it uniformly.
+/// The texture of a light's emission and a grid over the unit square that the light's points come
+/// from: a cell is chosen in proportion to the mean luminance there, and a point in it uniformly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EmissionMap {
     /// The shape whose emission it is.
@@ -35,7 +36,8 @@ const MAX_SIDE: f64 = 512.0;
 const MAX_CELLS: f64 = 1_048_576.0;
 /// Most points along an axis at which a cell's texture is looked up.
 const MAX_LOOKUPS: f64 = 16.0;
-/// Part of the samples that goes to all cells alike where lookups in a cell can miss what shines in it.
+/// Part of the samples that goes to all cells alike where lookups in a cell can miss what shines in
+/// it.
 const UNIFORM_PART: f64 = 1.0 / 32.0;
 /// What a texture that is not black is taken for at least.
 const LEAST: DVec3 = DVec3::splat(1e-12);
@@ -144,7 +146,8 @@ impl<'a> Textured<'a> {
         DVec2::new(self.texture.width.into(), self.texture.height.into())
     }
 
-    /// Whether all texels that the primitive can show are black: those of the box around its corners on the image.
+    /// Whether all texels that the primitive can show are black: those of the box around its
+    /// corners on the image.
     fn is_dark(&self) -> bool {
         let [a, b, c] = self.uvs;
         let (s, t) = (b - a, c - a);
@@ -283,8 +286,8 @@ mod tests {
         );
     }
 
-    /// All cells of a triangle may be chosen; one that shows only black texels is no light, one that shows the edge of
-    /// another is.
+    /// All cells of a triangle may be chosen; one that shows only black texels is no light, one
+    /// that shows the edge of another is.
     #[test]
     fn a_triangle_is_dark_where_its_part_of_the_image_is() {
         let (a, u, v) = UNIT;

@@ -8,11 +8,13 @@ use crate::scene::environment::Interpolation;
 /// Cells at most; larger maps are sampled in blocks of texels.
 const MAX_CELLS: usize = 1 << 21;
 
-/// How far a cell's luminance may lie above the mean, relative to it, and count as the mean: texels are f32.
+/// How far a cell's luminance may lie above the mean, relative to it, and count as the mean: texels
+/// are f32.
 const ROUNDING: f64 = 1e-6;
 
-/// Cells of a latitude-longitude map and the probability of each, in proportion to its solid angle and to its luminance
-/// or to what of that exceeds the mean. A cell is a texel, or a block of texels.
+/// Cells of a latitude-longitude map and the probability of each, in proportion to its solid angle
+/// and to its luminance or to what of that exceeds the mean. A cell is a texel, or a block of
+/// texels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvironmentGrid {
     /// Cells per row, and rows.
@@ -24,7 +26,8 @@ pub struct EnvironmentGrid {
 }
 
 impl EnvironmentGrid {
-    /// The grid of `map`, by luminance: every cell from which light comes can be chosen. `None` where the map is black.
+    /// The grid of `map`, by luminance: every cell from which light comes can be chosen. `None`
+    /// where the map is black.
     pub fn new(map: &EnvironmentMap) -> Option<Self> {
         let Cells { size, power, .. } = Cells::new(map);
         let table = AliasTable::new(&power)?;
@@ -35,10 +38,11 @@ impl EnvironmentGrid {
         })
     }
 
-    /// The grid of `map` for use beside BSDF sampling under multiple importance sampling, by max(0, L − L̄), L̄ the mean
-    /// luminance over the sphere: what lies below the mean is left to BSDF sampling, which finds a broad sky by itself
-    /// (Karlík et al. 2019, "MIS Compensation", for as many samples of either kind). By itself it would be biased. A
-    /// constant map, of which nothing would remain, has the grid of [`new`](Self::new).
+    /// The grid of `map` for use beside BSDF sampling under multiple importance sampling, by max(0,
+    /// L − L̄), L̄ the mean luminance over the sphere: what lies below the mean is left to BSDF
+    /// sampling, which finds a broad sky by itself (Karlík et al. 2019, "MIS Compensation", for as
+    /// many samples of either kind). By itself it would be biased. A constant map, of which nothing
+    /// would remain, has the grid of [`new`](Self::new).
     pub fn compensated(map: &EnvironmentMap) -> Option<Self> {
         let cells = Cells::new(map);
         AliasTable::new(&cells.above_mean()).map_or_else(
@@ -108,8 +112,9 @@ impl Cells {
     }
 }
 
-/// Per texel the mean luminance over it. Where radiance is interpolated, a texel's mean takes in its neighbours by
-/// 1/8, 6/8, 1/8 per axis: it is above zero wherever the interpolated radiance is.
+/// Per texel the mean luminance over it. Where radiance is interpolated, a texel's mean takes in
+/// its neighbours by 1/8, 6/8, 1/8 per axis: it is above zero wherever the interpolated radiance
+/// is.
 fn mean_luminance(map: &EnvironmentMap) -> Vec<f64> {
     let luminance: Vec<f64> = map.texels.iter().map(|&t| texel_luminance(t)).collect();
     if map.interpolation == Interpolation::Nearest {
@@ -157,8 +162,8 @@ mod tests {
         }
     }
 
-    /// Three rows are ½, 1 and ½ high in z. The mean is (½·4 + 1 + 5 + ½·6)/4 = 2.75; above it lie 1.25, 2.25 and 3.25,
-    /// by solid angle 0.625, 2.25 and 1.625 of 4.5.
+    /// Three rows are ½, 1 and ½ high in z. The mean is (½·4 + 1 + 5 + ½·6)/4 = 2.75; above it lie
+    /// 1.25, 2.25 and 3.25, by solid angle 0.625, 2.25 and 1.625 of 4.5.
     #[test]
     fn cells_above_the_mean_are_chosen_by_what_exceeds_it() {
         let map = map(2, &[4.0, 0.0, 1.0, 5.0, 6.0, 0.0], Interpolation::Nearest);
@@ -172,8 +177,8 @@ mod tests {
         assert_probabilities(&all, &expected);
     }
 
-    /// Where texels 9, 5 and 0 are interpolated, the rows' means are 8.5, 4.875 and 0.625, theirs 9.4375/2. Above that lie
-    /// 3.78125, by solid angle half of it, and 0.15625.
+    /// Where texels 9, 5 and 0 are interpolated, the rows' means are 8.5, 4.875 and 0.625, theirs
+    /// 9.4375/2. Above that lie 3.78125, by solid angle half of it, and 0.15625.
     #[test]
     fn interpolated_cells_are_held_against_the_mean_of_interpolated_cells() {
         let map = map(1, &[9.0, 5.0, 0.0], Interpolation::Linear);

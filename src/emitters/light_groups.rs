@@ -12,7 +12,8 @@ pub struct EmitterGroups {
 }
 
 impl EmitterGroups {
-    /// The groups of lights that name them in `scene`, or name none. Empty unless [`Aov::LightGroups`] is asked for.
+    /// The groups of lights that name them in `scene`, or name none. Empty unless
+    /// [`Aov::LightGroups`] is asked for.
     pub(super) fn new(scene: &Scene, settings: &RenderSettings, of_light: &[Option<u32>]) -> Self {
         if !settings.aovs.contains(Aov::LightGroups) {
             return Self::default();

@@ -98,7 +98,8 @@ impl Emitters {
 
     /// Lists the lights of `scene`, whose primitives are `primitives`, as `settings` sample them.
     ///
-    /// With strategies that do not sample lights only those without a surface are ever chosen: nothing else reaches them.
+    /// With strategies that do not sample lights only those without a surface are ever chosen:
+    /// nothing else reaches them.
     pub fn new(
         scene: &Scene,
         normalization: &Normalization,
@@ -179,17 +180,18 @@ impl Emitters {
         }
     }
 
-    /// Probability with which a light sample is one of light `index`: with a tree in the mean over surfaces, 1 where every
-    /// light has its own.
+    /// Probability with which a light sample is one of light `index`: with a tree in the mean over
+    /// surfaces, 1 where every light has its own.
     pub fn probability(&self, index: usize) -> f64 {
         self.selection
             .as_ref()
             .map_or(0.0, |selection| selection.probability(index))
     }
 
-    /// Light samples of a camera ray that go to light `index`, in the mean: n·p, which is what multiplies the density of
-    /// light sampling when several samples are taken (Veach 1997, eq. 9.8). `rays` is the number of shadow rays. Where
-    /// every light has its own, those without extent have one: a second would be the same.
+    /// Light samples of a camera ray that go to light `index`, in the mean: n·p, which is what
+    /// multiplies the density of light sampling when several samples are taken (Veach 1997, eq.
+    /// 9.8). `rays` is the number of shadow rays. Where every light has its own, those without
+    /// extent have one: a second would be the same.
     pub fn samples(&self, index: usize, rays: u32) -> f64 {
         let own = matches!(self.selection, Some(Selection::All(_)));
         let rays = match self.lights[index] {
@@ -284,8 +286,8 @@ impl Surfaces {
     }
 }
 
-/// The light tree over those `lights` whose weight is positive. `None` where fewer than two of them are at a finite distance:
-/// the tree's rule then gives all the same probability.
+/// The light tree over those `lights` whose weight is positive. `None` where fewer than two of them
+/// are at a finite distance: the tree's rule then gives all the same probability.
 fn tree_over(
     lights: &[Emitter],
     weights: &[f64],
@@ -319,12 +321,14 @@ fn tree_over(
     LightTree::new(&finite, infinite, lights.len())
 }
 
-/// Distance from the centre, in radii of what is rendered, beyond which a light counts for what arrives.
+/// Distance from the centre, in radii of what is rendered, beyond which a light counts for what
+/// arrives.
 const FAR: f64 = 64.0;
 
-/// Part of a light's power that counts when lights are chosen: all of one that is near; of one that is far away, whose power
-/// may be that of the Sun, what falls on the sphere of `radius`, as with light from infinitely far. `nearest` is the light's
-/// point nearest to the centre; infinitely distant lights have none.
+/// Part of a light's power that counts when lights are chosen: all of one that is near; of one that
+/// is far away, whose power may be that of the Sun, what falls on the sphere of `radius`, as with
+/// light from infinitely far. `nearest` is the light's point nearest to the centre; infinitely
+/// distant lights have none.
 fn part_that_arrives(nearest: Option<DVec3>, radius: f64) -> f64 {
     let distance = nearest.map_or(0.0, DVec3::length);
     if distance > FAR * radius {

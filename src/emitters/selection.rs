@@ -16,8 +16,9 @@ pub enum Selection {
 }
 
 impl Selection {
-    /// The selection for lights of these weights, which are finite and not negative; a light of weight 0 is never sampled.
-    /// `None` when no weight is positive. A single light is chosen, however lights are selected.
+    /// The selection for lights of these weights, which are finite and not negative; a light of
+    /// weight 0 is never sampled. `None` when no weight is positive. A single light is chosen,
+    /// however lights are selected.
     pub fn new(weights: &[f64], selection: LightSelection) -> Option<Self> {
         if selection != LightSelection::All || weights.len() == 1 {
             return AliasTable::new(weights).map(Self::One);
@@ -26,8 +27,8 @@ impl Selection {
         sampled.contains(&true).then_some(Self::All(sampled))
     }
 
-    /// Probability with which a sample is one of light `index`: with a tree in the mean over surfaces, 1 where every light
-    /// has its own.
+    /// Probability with which a sample is one of light `index`: with a tree in the mean over
+    /// surfaces, 1 where every light has its own.
     pub fn probability(&self, index: usize) -> f64 {
         match self {
             Self::One(table) => table.probability[index],

@@ -1,13 +1,15 @@
 //! The unit of radiance on the GPU.
 //!
-//! The variance of a pixel is a sum of squares. In f32 that of a sample of 10¹⁹ is infinite, and that of 10⁻²³ is 0. Where the
-//! lights of a scene are so bright or so dark, the GPU's radiance is a multiple of a power of two, by which the film, which
-//! is in f64, multiplies it again: no digit is lost or changed.
+//! The variance of a pixel is a sum of squares. In f32 that of a sample of 10¹⁹ is infinite, and
+//! that of 10⁻²³ is 0. Where the lights of a scene are so bright or so dark, the GPU's radiance is
+//! a multiple of a power of two, by which the film, which is in f64, multiplies it again: no digit
+//! is lost or changed.
 
 use super::{EmissionMap, Emitter};
 use crate::scene::{EnvironmentRadiance, Scene};
 
-/// Samples up to 256 times as many as its square, in 256 of them, are finite in f32, and nearly 2⁴⁸ times as bright as this.
+/// Samples up to 256 times as many as its square, in 256 of them, are finite in f32, and nearly 2⁴⁸
+/// times as bright as this.
 const BRIGHT: f64 = 48.0;
 /// Lights darker than 2 to the power of this have squares that f32 holds too roughly.
 const DARK: f64 = -48.0;
@@ -30,7 +32,8 @@ pub(super) fn of(scene: &Scene, lights: &[Emitter], maps: &[EmissionMap]) -> f64
     of_unit.clamp(-1000.0, 1000.0).exp2()
 }
 
-/// The largest radiance of a light; its normalised intensity or its irradiance where it has no extent.
+/// The largest radiance of a light; its normalised intensity or its irradiance where it has no
+/// extent.
 fn strength(scene: &Scene, light: &Emitter, maps: &[EmissionMap]) -> f64 {
     match light {
         Emitter::Area { radiance, map, .. } => {

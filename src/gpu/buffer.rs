@@ -12,7 +12,8 @@ pub struct GpuBuffer<T> {
 }
 
 impl<T: Pod> GpuBuffer<T> {
-    /// A read-only storage buffer with `data`. WebGPU binds no empty buffer, so an empty one holds one zero element.
+    /// A read-only storage buffer with `data`. WebGPU binds no empty buffer, so an empty one holds
+    /// one zero element.
     pub fn storage(device: &wgpu::Device, label: &str, data: &[T]) -> Self {
         let zero = [T::zeroed()];
         let data = if data.is_empty() { &zero[..] } else { data };

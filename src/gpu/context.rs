@@ -147,7 +147,8 @@ impl Context {
         })
     }
 
-    /// The caller's device. The caller has to watch for its loss, and for errors that no call reports.
+    /// The caller's device. The caller has to watch for its loss, and for errors that no call
+    /// reports.
     pub fn of_device(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self {
             device: device.clone(),
@@ -184,7 +185,8 @@ impl Context {
     /// Runs `work` and turns what the driver reports meanwhile into an error.
     ///
     /// # Errors
-    /// wgpu reported a validation error, an internal one, or that memory ran out; or the device is lost.
+    /// wgpu reported a validation error, an internal one, or that memory ran out; or the device is
+    /// lost.
     pub fn checked<T>(&self, work: impl FnOnce() -> T) -> Result<T, GpuError> {
         let scopes = [
             wgpu::ErrorFilter::Internal,

@@ -1,4 +1,5 @@
-//! The environment map as the GPU reads it: a texture of radiance and an alias table over its sampling grid.
+//! The environment map as the GPU reads it: a texture of radiance and an alias table over its
+//! sampling grid.
 
 use super::buffer::GpuBuffer;
 use super::context::Context;

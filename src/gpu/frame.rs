@@ -1,4 +1,5 @@
-//! The uniform of a render: camera, film, random numbers, and what kernels know of the scene as a whole.
+//! The uniform of a render: camera, film, random numbers, and what kernels know of the scene as a
+//! whole.
 
 use super::layout::{FILTER_WORDS, Frame, TILE};
 use super::lights::first_emission_word;

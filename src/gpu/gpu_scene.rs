@@ -59,7 +59,8 @@ impl GpuScenes {
 }
 
 impl GpuScene {
-    /// Uploads the scene of `prepared`: its geometry, with the numbers of its lights, which are the same for all estimators.
+    /// Uploads the scene of `prepared`: its geometry, with the numbers of its lights, which are the
+    /// same for all estimators.
     fn new(context: &Context, prepared: &Prepared) -> Result<Self, GpuError> {
         check_bindings(context, &prepared.data)?;
         check_attributes(context, &prepared.data)?;

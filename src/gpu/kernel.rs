@@ -11,8 +11,9 @@ use crate::effects::{Effect, Effects};
 use crate::error::GpuError;
 use std::sync::Arc;
 
-/// A kernel over a scene: a pipeline and the layouts of its bind groups. Group 0 holds the frame, a region's pixels and
-/// what changes per dispatch, group 1 the scene, group 2 whatever else the kernel reads and writes.
+/// A kernel over a scene: a pipeline and the layouts of its bind groups. Group 0 holds the frame, a
+/// region's pixels and what changes per dispatch, group 1 the scene, group 2 whatever else the
+/// kernel reads and writes.
 #[derive(Debug, Clone)]
 pub struct SceneKernel {
     pipeline: wgpu::ComputePipeline,
@@ -145,7 +146,8 @@ const PRIMITIVE_PARTS: u32 = NODE_PARTS + FURTHER;
 /// The same of the attributes.
 const ATTRIBUTE_PARTS: u32 = PRIMITIVE_PARTS + FURTHER;
 
-/// The bindings of group 1 that a kernel with `effects` has, over geometry that is split or not; see `shaders/scene/bindings.wesl`.
+/// The bindings of group 1 that a kernel with `effects` has, over geometry that is split or not;
+/// see `shaders/scene/bindings.wesl`.
 fn scene_types(effects: &Effects, split: bool) -> Vec<(u32, wgpu::BindingType)> {
     let any = |of: &[Effect]| of.iter().any(|e| effects.contains(*e));
     let mut types = numbered(&[READ; 5]);

@@ -12,7 +12,8 @@ use std::sync::{Mutex, PoisonError};
 pub(super) struct Kernels(Mutex<Vec<SceneKernel>>);
 
 impl Context {
-    /// The kernel of `descriptor` for `effects`: compiled at the first call, kept as long as the device.
+    /// The kernel of `descriptor` for `effects`: compiled at the first call, kept as long as the
+    /// device.
     ///
     /// # Errors
     /// The shader does not link, or the driver refuses it.

@@ -1,4 +1,5 @@
-//! Structs shared with the shaders. `tests/layout.rs` compares every member with `shaders/types.wesl`.
+//! Structs shared with the shaders. `tests/layout.rs` compares every member with
+//! `shaders/types.wesl`.
 
 use crate::accel::{MAX_LIGHT_BOXES, attributes};
 use crate::scene::Light;
@@ -50,7 +51,8 @@ pub struct Frame {
     pub far: f32,
     /// Cells of the environment's sampling grid per row and column.
     pub environment_grid: [u32; 2],
-    /// Of the sampler: logarithms of the jittered grid's columns and rows, or of the samples per pixel.
+    /// Of the sampler: logarithms of the jittered grid's columns and rows, or of the samples per
+    /// pixel.
     pub pattern: [u32; 2],
     /// The same for the light samples of a pixel.
     pub light_pattern: [u32; 2],
@@ -90,7 +92,8 @@ pub struct Frame {
     pub environment_linear: u32,
     /// Word of the lights at which the maps of emission begin.
     pub first_emission: u32,
-    /// Distance from the eye of the plane on which the rays of a distant camera begin; `eye` lies on it.
+    /// Distance from the eye of the plane on which the rays of a distant camera begin; `eye` lies
+    /// on it.
     pub near_plane: f32,
     /// Size of the lens's image on that plane.
     pub near_lens: f32,
@@ -246,7 +249,8 @@ macro_rules! shared {
     };
 }
 
-/// Everything that `tests/layout.rs` compares with the shaders: the constants below, and those of the kinds of lights.
+/// Everything that `tests/layout.rs` compares with the shaders: the constants below, and those of
+/// the kinds of lights.
 pub fn shared_constants() -> Vec<SharedConstant> {
     let of_lights = Light::CONSTANTS.iter();
     let of_lights = of_lights.map(|&(module, name, value)| SharedConstant {
@@ -336,7 +340,8 @@ shared! {
     "scene::fetch" LIGHT_KIND_MASK = 15;
     /// Set in a light's head where its back emits as well.
     "scene::fetch" TWO_SIDED_BIT = 16;
-    /// Set in a light's head where its edges or half axes are not orthogonal, and where a sphere is an ellipsoid.
+    /// Set in a light's head where its edges or half axes are not orthogonal, and where a sphere is
+    /// an ellipsoid.
     "scene::fetch" SKEWED_BIT = 32;
     /// Words of a light.
     "scene::fetch" LIGHT_WORDS = 4;

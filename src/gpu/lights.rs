@@ -1,4 +1,5 @@
-//! Lights as the GPU reads them: the formats of `shaders/scene/fetch.wesl` and of what lights are chosen by.
+//! Lights as the GPU reads them: the formats of `shaders/scene/fetch.wesl` and of what lights are
+//! chosen by.
 
 use super::layout::{
     EMISSION_SHIFT, EMISSION_WORDS, LIGHT_DISK, LIGHT_ENVIRONMENT, LIGHT_GROUP_SHIFT,
@@ -27,9 +28,9 @@ pub(super) fn choice_words(prepared: &Prepared) -> Vec<Word> {
     }
 }
 
-/// [`LIGHT_WORDS`] per light; behind them, where lights have an opacity, the primitive of each that has one; then
-/// [`EMISSION_WORDS`] per map of emission. `textures` tells per shape at which word of the materials the texture of its
-/// emission begins.
+/// [`LIGHT_WORDS`] per light; behind them, where lights have an opacity, the primitive of each that
+/// has one; then [`EMISSION_WORDS`] per map of emission. `textures` tells per shape at which word
+/// of the materials the texture of its emission begins.
 pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
     let tree = prepared.emitters.selection.as_ref();
     let tree = tree.and_then(Selection::tree);

@@ -1,4 +1,5 @@
-//! Materials as the GPU reads them: the formats of `shaders/scene/fetch.wesl`, `textured.wesl` and `texture.wesl`.
+//! Materials as the GPU reads them: the formats of `shaders/scene/fetch.wesl`, `textured.wesl` and
+//! `texture.wesl`.
 
 use super::layout::{
     COMPENSATED_BIT, FRESNEL_CONDUCTOR, FRESNEL_CONSTANT, FRESNEL_DIELECTRIC, FRESNEL_SCHLICK,
@@ -22,13 +23,16 @@ const MODEL_GLOSSINESS: f64 = -3.0;
 
 /// Words of materials and textures.
 pub(super) struct MaterialWords {
-    /// [`MATERIAL_WORDS`] per material; behind them [`TEXTURED_WORDS`] per one that varies, and three per use of a texture.
+    /// [`MATERIAL_WORDS`] per material; behind them [`TEXTURED_WORDS`] per one that varies, and
+    /// three per use of a texture.
     pub(super) words: Vec<Word>,
-    /// Per shape, the word at which the texture of what it emits begins; [`NONE`] where it has none.
+    /// Per shape, the word at which the texture of what it emits begins; [`NONE`] where it has
+    /// none.
     pub(super) emission: Vec<u32>,
 }
 
-/// The materials of `prepared`. The atlases of colours and of other numbers tell where textures lie.
+/// The materials of `prepared`. The atlases of colours and of other numbers tell where textures
+/// lie.
 pub(super) fn material_words(prepared: &Prepared, [colors, data]: [&Atlas; 2]) -> MaterialWords {
     let scene = &prepared.data.scene;
     let materials = scene.materials.iter();
@@ -138,11 +142,13 @@ fn one_material(p: &BsdfParameters, compensated: bool) -> [Word; MATERIAL_WORDS 
     ]
 }
 
-/// What the textures of a material and vertex colours are factors on: base colour and roughness; F₀ of the dielectric and
-/// metallic; room for the indices of the textures; F₉₀ of the dielectric, and room for the opacity. A conductor is a metal of
-/// the metallic-roughness model here. The roughness of what is no case of it is one of `MODEL_…`: under `MODEL_COLOR` a colour
-/// alone counts, under `MODEL_MASK` the roughness of the metal stands in place of F₉₀, and under `MODEL_GLOSSINESS` diffuse
-/// colour, F₀, room for the index of the texture in place of metallic, and the glossiness in place of F₉₀.
+/// What the textures of a material and vertex colours are factors on: base colour and roughness; F₀
+/// of the dielectric and metallic; room for the indices of the textures; F₉₀ of the dielectric, and
+/// room for the opacity. A conductor is a metal of the metallic-roughness model here. The roughness
+/// of what is no case of it is one of `MODEL_…`: under `MODEL_COLOR` a colour alone counts, under
+/// `MODEL_MASK` the roughness of the metal stands in place of F₉₀, and under `MODEL_GLOSSINESS`
+/// diffuse colour, F₀, room for the index of the texture in place of metallic, and the glossiness
+/// in place of F₉₀.
 fn textured_words(material: &Material) -> [Word; TEXTURED_WORDS as usize] {
     let (color, roughness, f0, metallic, f90) = match material.bsdf {
         Bsdf::Conductor { reflectance, alpha } => {

@@ -13,7 +13,8 @@ use crate::error::GpuError;
 use crate::prepare::Prepared;
 use crate::scene::FilmSize;
 
-/// A word that no kernel writes; buffers are filled with it so that slots which were never written are seen.
+/// A word that no kernel writes; buffers are filled with it so that slots which were never written
+/// are seen.
 pub const POISON: u32 = 0x7fc0_dead;
 
 /// A kernel with a scene bound to it.
@@ -27,8 +28,8 @@ pub struct SceneProgram<'a> {
 }
 
 impl<'a> SceneProgram<'a> {
-    /// Compiles `descriptor` for the effects of `prepared` and uploads the scene, for an image of `film` pixels. The bound
-    /// pixel states are those of one tile.
+    /// Compiles `descriptor` for the effects of `prepared` and uploads the scene, for an image of
+    /// `film` pixels. The bound pixel states are those of one tile.
     ///
     /// # Errors
     /// The kernel does not compile, or the scene is too large for the adapter.
@@ -83,8 +84,8 @@ impl<'a> SceneProgram<'a> {
         &self.kernel
     }
 
-    /// Fills `output` with [`POISON`], runs `workgroups` workgroups, and hands what then stands in `output` to `read`.
-    /// `own` binds `output`, `staging` is as long.
+    /// Fills `output` with [`POISON`], runs `workgroups` workgroups, and hands what then stands in
+    /// `output` to `read`. `own` binds `output`, `staging` is as long.
     ///
     /// # Errors
     /// The driver fails.

@@ -27,10 +27,11 @@ pub struct SceneBuffers {
     pub materials: GpuBuffer<Word>,
     /// [`LIGHT_WORDS`](super::layout::LIGHT_WORDS) words per light, and those of maps of emission.
     pub lights: GpuBuffer<Word>,
-    /// What lights are chosen by: an alias table, one word per light; or a light tree, three words per node and one per
-    /// light outside of it.
+    /// What lights are chosen by: an alias table, one word per light; or a light tree, three words
+    /// per node and one per light outside of it.
     pub light_choice: GpuBuffer<Word>,
-    /// What directions towards the environment map are chosen by: one word per cell of its sampling grid.
+    /// What directions towards the environment map are chosen by: one word per cell of its sampling
+    /// grid.
     pub environment_alias: GpuBuffer<Word>,
     /// One word per cell of the maps of emission.
     pub emission_cells: GpuBuffer<Word>,
@@ -71,7 +72,8 @@ impl SceneBuffers {
         })
     }
 
-    /// Labels and bytes of all that [`new`](Self::new) makes for `prepared` on a device that holds nothing of it.
+    /// Labels and bytes of all that [`new`](Self::new) makes for `prepared` on a device that holds
+    /// nothing of it.
     pub fn sizes(prepared: &Prepared) -> Vec<(&'static str, u64)> {
         let words = |count: usize| (count.max(1) * size_of::<Word>()) as u64;
         let nodes = prepared.data.bvh.nodes.len().max(1) * size_of::<Node>();

@@ -14,13 +14,14 @@ static EMBEDDED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
 pub use crate::error::SHADERS_VARIABLE;
 
-/// Values that differ between kernels and that WGSL needs as constants; they appear in the module `package::config`.
+/// Values that differ between kernels and that WGSL needs as constants; they appear in the module
+/// `package::config`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KernelConstants {
     /// Entries of the traversal's stack.
     pub stack_depth: u32,
-    /// Any number but 0, with which unfinished work is marked: with another one a driver has to compile anew what it may have
-    /// kept.
+    /// Any number but 0, with which unfinished work is marked: with another one a driver has to
+    /// compile anew what it may have kept.
     pub stamp: u32,
     /// Groups of lights that are kept apart.
     pub light_groups: u32,

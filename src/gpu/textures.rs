@@ -1,7 +1,7 @@
 //! The textures of a scene as the GPU reads them: rectangles in the layers of two texture arrays.
 //!
-//! One binding holds textures of all sizes this way, and filtering is the shader's own, so that it is as exact as the
-//! reference's: a sampler's weights have 8 bits.
+//! One binding holds textures of all sizes this way, and filtering is the shader's own, so that it
+//! is as exact as the reference's: a sampler's weights have 8 bits.
 
 use super::context::Context;
 use crate::error::GpuError;

@@ -55,8 +55,9 @@ impl<'a, T: Pod> TileProgram<'a, T> {
         })
     }
 
-    /// Runs the kernel with `parameters` on all tiles, and hands the place in the image, row by row, and the record of every
-    /// pixel to `read`; a record that was not written is all [`POISON`](super::program::POISON).
+    /// Runs the kernel with `parameters` on all tiles, and hands the place in the image, row by
+    /// row, and the record of every pixel to `read`; a record that was not written is all
+    /// [`POISON`](super::program::POISON).
     ///
     /// # Errors
     /// The driver fails.

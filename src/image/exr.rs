@@ -1,8 +1,10 @@
-//! 32-bit float images: radiance (`R`, `G`, `B`), and in layers of their own the number of samples (`samples.X`), the standard
-//! error of each mean (`standard_error.R`, …) and AOVs where some are asked for, with what produced them as attributes.
+//! 32-bit float images: radiance (`R`, `G`, `B`), and in layers of their own the number of samples
+//! (`samples.X`), the standard error of each mean (`standard_error.R`, …) and AOVs where some are
+//! asked for, with what produced them as attributes.
 //!
-//! A layer is what stands before the last dot of channels' names (OpenEXR's convention); what has no dot is the layer of colours.
-//! Readers of colours, such as Mitsuba's, refuse one that holds anything else.
+//! A layer is what stands before the last dot of channels' names (OpenEXR's convention); what has
+//! no dot is the layer of colours. Readers of colours, such as Mitsuba's, refuse one that holds
+//! anything else.
 
 use crate::error::Error;
 use crate::output;
@@ -36,9 +38,11 @@ pub fn write(
     output::write(path, &bytes)
 }
 
-/// The film with its standard errors, its numbers of samples, `further` channels and `attributes` (name, text), as an EXR.
+/// The film with its standard errors, its numbers of samples, `further` channels and `attributes`
+/// (name, text), as an EXR.
 ///
-/// While a pixel has fewer than two samples standard errors are not known: there stands [`UNKNOWN_ERROR`].
+/// While a pixel has fewer than two samples standard errors are not known: there stands
+/// [`UNKNOWN_ERROR`].
 ///
 /// # Errors
 /// The format cannot hold it.
@@ -62,7 +66,8 @@ pub fn encode(
     encode_channels(film.size, channels, attributes)
 }
 
-/// The film's radiance alone with `attributes` (name, text), as an EXR: for readers that take no further layers.
+/// The film's radiance alone with `attributes` (name, text), as an EXR: for readers that take no
+/// further layers.
 ///
 /// # Errors
 /// The format cannot hold it.
@@ -72,7 +77,8 @@ pub fn encode_plain(film: &Film, attributes: &[(&str, String)]) -> io::Result<Ve
 
 const RGB: [&str; 3] = ["R", "G", "B"];
 
-/// `x` in 32 bits. What is beyond their range, which a film in f64 may hold, is their largest number: an image has no infinity.
+/// `x` in 32 bits. What is beyond their range, which a film in f64 may hold, is their largest
+/// number: an image has no infinity.
 pub fn single(x: f64) -> f32 {
     (x as f32).clamp(-f32::MAX, f32::MAX)
 }

@@ -3,7 +3,8 @@
 /// Relative errors at the ends of the heat map's colours.
 pub const HEAT: (f64, f64) = (0.003, 1.0);
 
-/// Colours of the heat map, from small errors to large: dark, violet, red, yellow, white. Their luminance rises throughout.
+/// Colours of the heat map, from small errors to large: dark, violet, red, yellow, white. Their
+/// luminance rises throughout.
 const RAMP: [[f64; 3]; 7] = [
     [0.0, 0.0, 4.0],
     [40.0, 11.0, 84.0],

@@ -1,4 +1,5 @@
-//! AOVs as channels of an EXR; `docs/aov.md` lists them with the programs that look for their names.
+//! AOVs as channels of an EXR; `docs/aov.md` lists them with the programs that look for their
+//! names.
 
 use super::exr::{Channel, single};
 use crate::gpu::AdapterFacts;
@@ -104,7 +105,8 @@ pub fn render_attributes(
     attributes
 }
 
-/// What belongs to the channels: names of the numbers in them, as JSON objects, and the samples of averaged ones.
+/// What belongs to the channels: names of the numbers in them, as JSON objects, and the samples of
+/// averaged ones.
 pub fn attributes(prepared: &Prepared, images: &AovImages) -> Vec<(&'static str, String)> {
     let aovs = prepared.settings.aovs;
     let mut attributes = Vec::new();

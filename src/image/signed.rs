@@ -5,8 +5,9 @@ use crate::scene::FilmSize;
 use std::io;
 use std::path::Path;
 
-/// Signed values, three per pixel, row by row, as the name `path` says: an EXR holds them as they are; a PNG shows the value of
-/// largest size in each pixel, from blue at −`scale` over white at 0 to red at `scale`.
+/// Signed values, three per pixel, row by row, as the name `path` says: an EXR holds them as they
+/// are; a PNG shows the value of largest size in each pixel, from blue at −`scale` over white at 0
+/// to red at `scale`.
 ///
 /// # Errors
 /// The format cannot hold them.

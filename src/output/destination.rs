@@ -16,7 +16,8 @@ pub enum Destination {
     Stderr,
     /// A pipe or a device that takes a stream of bytes, such as `/dev/null`.
     Stream(PathBuf),
-    /// A regular file, there or not yet, in a folder that exists: absolute and without symbolic links.
+    /// A regular file, there or not yet, in a folder that exists: absolute and without symbolic
+    /// links.
     File(PathBuf),
 }
 
@@ -81,8 +82,8 @@ fn located(path: &Path) -> Result<(PathBuf, PathBuf), String> {
     Ok((found, file))
 }
 
-/// One of this process's own open files, which `/dev/stdout` and `/dev/fd/1` name by links that lead to the file, but not to where it
-/// is written next.
+/// One of this process's own open files, which `/dev/stdout` and `/dev/fd/1` name by links that
+/// lead to the file, but not to where it is written next.
 fn open_descriptor(folder: &Path, file: &Path) -> Option<Destination> {
     let own = ["/proc/self/fd", "/dev/fd"].map(|f| std::fs::canonicalize(f).ok());
     if !own.iter().flatten().any(|own| own == folder) {

@@ -3,7 +3,8 @@
 use super::Destination;
 use std::path::{Path, PathBuf};
 
-/// A file, there or not yet: names that differ by `.`, `..`, symbolic or hard links denote the same one.
+/// A file, there or not yet: names that differ by `.`, `..`, symbolic or hard links denote the same
+/// one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
     /// Absolute and without symbolic links.

@@ -8,7 +8,8 @@ use std::path::Path;
 /// What is written as a probe: a full disk takes empty files.
 const PROBE: [u8; 1] = [0];
 
-/// What `path` denotes, if it can be written now. Temporary files that killed runs left in its folder are removed.
+/// What `path` denotes, if it can be written now. Temporary files that killed runs left in its
+/// folder are removed.
 ///
 /// # Errors
 /// It cannot be written; the text says why, and what would be right.

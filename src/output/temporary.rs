@@ -1,6 +1,7 @@
 //! Temporary files in the folders of what they become.
 //!
-//! Each is locked as long as the run that made it holds it open, so that a later run can tell those of killed runs.
+//! Each is locked as long as the run that made it holds it open, so that a later run can tell those
+//! of killed runs.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
@@ -12,7 +13,8 @@ const PREFIX: &str = ".direkt-";
 const SUFFIX: &str = ".tmp";
 /// How often a new file may be taken away before it is locked.
 const TRIES: u32 = 8;
-/// Age from which a file counts as left behind where the file system knows no locks: writing one takes less.
+/// Age from which a file counts as left behind where the file system knows no locks: writing one
+/// takes less.
 const OLD: Duration = Duration::from_secs(3600);
 
 /// A new file in `folder`, which is removed with the value unless it is persisted.

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 /// Characters of a name that are kept where it may be what is wrong.
 const KEPT_OF_NAME: usize = 48;
 
-/// Writes `bytes` to what `path` denotes: a regular file is replaced as a whole, and keeps its permissions; a pipe or a device is
-/// written straight.
+/// Writes `bytes` to what `path` denotes: a regular file is replaced as a whole, and keeps its
+/// permissions; a pipe or a device is written straight.
 ///
 /// # Errors
 /// It cannot be written; a regular file is as it was then.
@@ -26,8 +26,8 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     written.map_err(|source| Error::write(path, source))
 }
 
-/// Like [`write`](write()); what cannot be written there is saved under a new name in the same folder, the current one, that of temporary
-/// files or the user's own, whichever takes it first.
+/// Like [`write`](write()); what cannot be written there is saved under a new name in the same
+/// folder, the current one, that of temporary files or the user's own, whichever takes it first.
 ///
 /// # Errors
 /// It could not be written to `path`; the error names where it is saved.
@@ -69,7 +69,8 @@ fn places(path: &Path) -> Vec<PathBuf> {
     places
 }
 
-/// Writes `bytes` to a new file that is called much as `path` is, in its folder or the next that takes it, and returns its name.
+/// Writes `bytes` to a new file that is called much as `path` is, in its folder or the next that
+/// takes it, and returns its name.
 pub fn save_elsewhere(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
     let part = |part: Option<&std::ffi::OsStr>| {
         part.map_or_else(String::new, |text| shortened(&text.to_string_lossy()))

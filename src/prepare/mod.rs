@@ -1,5 +1,5 @@
-//! From a scene to everything that the GPU and the reference need: what depends on the scene alone ([`SceneData`]), and what
-//! depends on the estimator as well ([`Prepared`]).
+//! From a scene to everything that the GPU and the reference need: what depends on the scene alone
+//! ([`SceneData`]), and what depends on the estimator as well ([`Prepared`]).
 
 pub mod near_plane;
 mod scene_data;
@@ -12,7 +12,8 @@ use crate::emitters::Emitters;
 use crate::scene::{Camera, FilmSize, RenderSettings, Sampler, Scene, ShadowGrid, ShadowPattern};
 use std::sync::Arc;
 
-/// A scene made ready for one estimator: its lights, how they are chosen, and the effects that are compiled in.
+/// A scene made ready for one estimator: its lights, how they are chosen, and the effects that are
+/// compiled in.
 #[derive(Debug, Clone)]
 pub struct Prepared {
     /// What other estimators share.
@@ -25,7 +26,8 @@ pub struct Prepared {
     pub settings: RenderSettings,
     /// The lights and how they are chosen.
     pub emitters: Emitters,
-    /// Boxes around the primitives that emit; see [`accel::light_boxes`](crate::accel::light_boxes()).
+    /// Boxes around the primitives that emit; see
+    /// [`accel::light_boxes`](crate::accel::light_boxes()).
     pub light_boxes: Vec<[u32; 3]>,
     /// What is compiled in, and why.
     pub effects: Effects,
@@ -43,8 +45,8 @@ impl Prepared {
         Self::seen_by(data, (data.scene.camera, data.scene.film), settings)
     }
 
-    /// Makes `data` ready for `settings` and an image that `camera` takes. The scene has to be normalised as that camera
-    /// calls for.
+    /// Makes `data` ready for `settings` and an image that `camera` takes. The scene has to be
+    /// normalised as that camera calls for.
     pub fn seen_by(
         data: &Arc<SceneData>,
         (camera, film): (Camera, FilmSize),
@@ -110,7 +112,8 @@ impl Prepared {
         )
     }
 
-    /// Shadow rays per camera ray, with light selection `all` per light: 1 where a second would be the same.
+    /// Shadow rays per camera ray, with light selection `all` per light: 1 where a second would be
+    /// the same.
     pub fn shadow_rays(&self) -> u32 {
         if self.effects.contains(Effect::ShadowRays) {
             self.settings.estimator.shadow_rays
@@ -136,7 +139,8 @@ impl Prepared {
         ShadowGrid::new(self.shadow_rays())
     }
 
-    /// Light samples of a camera ray that go to light `index`, in the mean; see [`Emitters::samples`].
+    /// Light samples of a camera ray that go to light `index`, in the mean; see
+    /// [`Emitters::samples`].
     pub fn light_samples(&self, index: usize) -> f64 {
         self.emitters.samples(index, self.shadow_rays())
     }
@@ -160,7 +164,8 @@ impl Prepared {
     }
 }
 
-/// Numbers that the sampler's patterns are made for; see [`Sampler::pattern`](crate::scene::Sampler::pattern).
+/// Numbers that the sampler's patterns are made for; see
+/// [`Sampler::pattern`](crate::scene::Sampler::pattern).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Patterns {
     /// For the samples of a pixel.

@@ -1,8 +1,9 @@
 //! Where the rays of a distant camera begin.
 //!
-//! Directions in f32 are off by 2⁻²⁴: a thousand sizes of the scene away from it, where they lead is off by 2⁻¹⁴ of its size,
-//! and at a million the image is lost. The rays of such a camera begin on a plane across its view, before all that it sees;
-//! where on the plane is computed from the film, not from directions.
+//! Directions in f32 are off by 2⁻²⁴: a thousand sizes of the scene away from it, where they lead
+//! is off by 2⁻¹⁴ of its size, and at a million the image is lost. The rays of such a camera begin
+//! on a plane across its view, before all that it sees; where on the plane is computed from the
+//! film, not from directions.
 
 use super::Prepared;
 use crate::accel::Primitive;
@@ -10,7 +11,8 @@ use crate::scene::normalize::Normalization;
 use crate::scene::{Camera, FilmSize};
 use glam::DVec3;
 
-/// Distance of the eye from the centre, over the radius of what is rendered, beyond which a camera is distant.
+/// Distance of the eye from the centre, over the radius of what is rendered, beyond which a camera
+/// is distant.
 const DISTANT: f64 = 1024.0;
 /// What the image is taken for: twice as wide and high, so that every pixel filter lies within.
 const WIDER: f64 = 2.0;
@@ -18,8 +20,8 @@ const WIDER: f64 = 2.0;
 const MARGIN: f64 = 1.0 / 65_536.0;
 
 impl Prepared {
-    /// Distance from the eye, along the viewing direction, of the plane on which camera rays begin, normalised space; 0 where
-    /// that is the eye's.
+    /// Distance from the eye, along the viewing direction, of the plane on which camera rays begin,
+    /// normalised space; 0 where that is the eye's.
     pub fn near_plane(&self) -> f64 {
         let camera = self.data.normalization.camera(&self.camera);
         if !is_distant(&self.data.normalization, &self.camera) {
@@ -57,7 +59,8 @@ impl Frustum {
         }
     }
 
-    /// The smallest depth of the box around `primitive`, which may be negative; `None` where the camera does not see it.
+    /// The smallest depth of the box around `primitive`, which may be negative; `None` where the
+    /// camera does not see it.
     fn depth(&self, primitive: &Primitive) -> Option<f64> {
         let (low, high) = primitive.geometry.bounds();
         let middle = 0.5 * (low + high) - self.camera.eye;

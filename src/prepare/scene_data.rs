@@ -7,8 +7,8 @@ use crate::scene::enlarge::enlarge;
 use crate::scene::normalize::Normalization;
 use crate::scene::refine::refine;
 
-/// A scene in normalised space, with its acceleration structure. It is the same for all estimators, and for all cameras that
-/// call for the same normalisation.
+/// A scene in normalised space, with its acceleration structure. It is the same for all estimators,
+/// and for all cameras that call for the same normalisation.
 #[derive(Debug)]
 pub struct SceneData {
     /// The scene, world space.

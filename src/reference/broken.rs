@@ -1,5 +1,6 @@
-//! Broken twins: the reference with one mistake of the kind that renderers ship. Every statistical test and every part
-//! of `direkt compare` is run against them and has to reject them; a check that accepts one checks nothing.
+//! Broken twins: the reference with one mistake of the kind that renderers ship. Every statistical
+//! test and every part of `direkt compare` is run against them and has to reject them; a check that
+//! accepts one checks nothing.
 
 use super::core::pdf::{PdfArea, PdfDiscrete, PdfSolidAngle, chosen};
 use super::scene::opacity::Crossings;
@@ -120,7 +121,8 @@ impl BrokenTwin {
     }
 }
 
-/// Where the mistakes are made. `None` is the honest twin: every method then returns what it is given.
+/// Where the mistakes are made. `None` is the honest twin: every method then returns what it is
+/// given.
 impl BrokenTwin {
     /// A sampling density.
     pub fn density(broken: Option<Self>, pdf: PdfSolidAngle) -> PdfSolidAngle {
@@ -143,7 +145,8 @@ impl BrokenTwin {
         }
     }
 
-    /// A direction in the local frame, between the frame and the BSDF. Directions below the horizon stay there.
+    /// A direction in the local frame, between the frame and the BSDF. Directions below the horizon
+    /// stay there.
     pub fn direction(broken: Option<Self>, w: DVec3) -> DVec3 {
         let sin = w.truncate().length();
         match broken {

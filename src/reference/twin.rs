@@ -15,7 +15,8 @@ pub struct Twin<'a> {
 }
 
 impl<'a> Twin<'a> {
-    /// The twin of a render of `prepared` at `size` pixels with `seed`; `broken` gives it one mistake.
+    /// The twin of a render of `prepared` at `size` pixels with `seed`; `broken` gives it one
+    /// mistake.
     pub fn new(
         prepared: &'a Prepared,
         size: FilmSize,

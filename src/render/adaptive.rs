@@ -1,13 +1,15 @@
 //! Adaptive sampling: more samples where the error is.
 //!
-//! After a pilot, the same for all pixels, pixels take samples in proportion to the root of their relative squared error, which is
-//! what makes the sum of errors that fall with the inverse of the samples smallest at a given number of them (Neyman 1934). How
-//! large the error is in a block of 4 × 2 pixels is told by the replicates of the pixels *around* the block. Its own samples have
-//! no say: pixels that got more samples because their first ones were bright, or fewer because they were dark, would have a
-//! biased mean (Kirk & Arvo 1991, "Unbiased Sampling Techniques for Image Synthesis"). For the same reason the shares stay as
-//! the pilot gave them.
+//! After a pilot, the same for all pixels, pixels take samples in proportion to the root of their
+//! relative squared error, which is what makes the sum of errors that fall with the inverse of the
+//! samples smallest at a given number of them (Neyman 1934). How large the error is in a block of 4
+//! × 2 pixels is told by the replicates of the pixels *around* the block. Its own samples have no
+//! say: pixels that got more samples because their first ones were bright, or fewer because they
+//! were dark, would have a biased mean (Kirk & Arvo 1991, "Unbiased Sampling Techniques for Image
+//! Synthesis"). For the same reason the shares stay as the pilot gave them.
 //!
-//! Every pixel has a power of two of samples at any time, which is what stratified samplers are best at.
+//! Every pixel has a power of two of samples at any time, which is what stratified samplers are
+//! best at.
 
 use super::film::Film;
 use crate::scene::FilmSize;
@@ -15,7 +17,8 @@ use rayon::prelude::*;
 
 /// Samples of the pilot; later powers of two where it found no light.
 pub(super) const PILOT: u64 = 16;
-/// Columns and rows of a block of pixels that have the same number of samples: eight neighbouring lanes of the kernel.
+/// Columns and rows of a block of pixels that have the same number of samples: eight neighbouring
+/// lanes of the kernel.
 const BLOCK: [u32; 2] = [4, 2];
 /// Pixels on each side of a block that tell its error.
 const RADIUS: u32 = 2;
@@ -25,7 +28,8 @@ const PER_OCTAVE: u32 = 8;
 const OCTAVES: u32 = 7;
 /// Classes of pixels.
 pub(super) const CLASSES: usize = (PER_OCTAVE * OCTAVES) as usize;
-/// The class of a pixel with the mean error: eight times fewer samples at the least, sixteen times more at most.
+/// The class of a pixel with the mean error: eight times fewer samples at the least, sixteen times
+/// more at most.
 const MIDDLE: f64 = (3 * PER_OCTAVE) as f64;
 
 /// How samples are shared out among pixels.
@@ -40,8 +44,8 @@ pub(super) struct Allocation {
 }
 
 impl Allocation {
-    /// How those after the `pilot`, of `samples` per pixel, are shared out; `None` while a pixel has not two samples, or no difference between
-    /// replicates tells where the error is.
+    /// How those after the `pilot`, of `samples` per pixel, are shared out; `None` while a pixel
+    /// has not two samples, or no difference between replicates tells where the error is.
     pub(crate) fn after(pilot: &Film, samples: u64) -> Option<Self> {
         let mean = pilot.mean();
         let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
@@ -139,7 +143,8 @@ mod tests {
     use crate::render::Pixel;
     use crate::scene::{FilmSize, Sampler};
 
-    /// 32 × 32 pixels after the pilot: those of the right half have a hundred times the squared error.
+    /// 32 × 32 pixels after the pilot: those of the right half have a hundred times the squared
+    /// error.
     fn pilot() -> Film {
         let size = FilmSize {
             width: 32,

@@ -1,8 +1,9 @@
 //! Images beside radiance that have rays of their own; `docs/aov.md` says what they hold.
 //!
-//! What a denoiser asks for is averaged along the camera paths of the image's first samples, through mirrors and glass. What a
-//! compositor asks for is that of one ray per pixel, through the middle of pixel and lens, and not averaged: a mean of
-//! positions or of numbers is that of no surface.
+//! What a denoiser asks for is averaged along the camera paths of the image's first samples,
+//! through mirrors and glass. What a compositor asks for is that of one ray per pixel, through the
+//! middle of pixel and lens, and not averaged: a mean of positions or of numbers is that of no
+//! surface.
 
 use crate::error::GpuError;
 use crate::gpu::Context;
@@ -12,7 +13,8 @@ use crate::prepare::Prepared;
 use crate::scene::{FilmSize, MaterialId, ShapeId};
 use glam::DVec3;
 
-/// Most samples that features are averaged over: their noise at edges is then an eighth of the contrast there or less.
+/// Most samples that features are averaged over: their noise at edges is then an eighth of the
+/// contrast there or less.
 pub const FEATURE_SAMPLES: u64 = 64;
 
 /// The surface in the middle of a pixel, world space.
@@ -41,7 +43,8 @@ pub struct AovImages {
     pub surfaces: Option<Vec<Option<SurfacePoint>>>,
 }
 
-/// Renders the AOVs of `prepared` that have rays of their own, for an image that has `samples` samples per pixel; none for one without.
+/// Renders the AOVs of `prepared` that have rays of their own, for an image that has `samples`
+/// samples per pixel; none for one without.
 ///
 /// # Errors
 /// The scene is too large for the adapter, or the driver fails.

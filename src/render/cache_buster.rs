@@ -2,8 +2,8 @@
 
 use std::time::SystemTime;
 
-/// Numbers that no kernel is likely to have been compiled with before: drivers keep on disk what they compile. See
-/// [`Session::compiled_anew`](super::Session::compiled_anew).
+/// Numbers that no kernel is likely to have been compiled with before: drivers keep on disk what
+/// they compile. See [`Session::compiled_anew`](super::Session::compiled_anew).
 #[derive(Debug)]
 pub struct CacheBuster(u32);
 

@@ -1,15 +1,17 @@
 //! Compares a film with the exact image that its scene states.
 //!
-//! A value v (one channel of a pixel, or of the image's mean) with standard error s agrees with the exact value e when
+//! A value v (one channel of a pixel, or of the image's mean) with standard error s agrees with the
+//! exact value e when
 //!
 //! ```text
 //!     |v − e| ≤ z·s + (2e-5 + tolerance)·e
 //! ```
 //!
-//! where z bounds the family-wise false alarm over all values, with Student's t in place of the normal distribution for a pixel to which
-//! adaptive sampling has given fewer than 64 samples, and 2e-5 is what f32 loses in positions and in the
-//! offsets of rays. No sample is negative: where e = 0, v has to be 0. Where nothing that varies was sampled, s is 0:
-//! an estimator that never meets the light fails. No sample may have been dropped.
+//! where z bounds the family-wise false alarm over all values, with Student's t in place of the
+//! normal distribution for a pixel to which adaptive sampling has given fewer than 64 samples, and
+//! 2e-5 is what f32 loses in positions and in the offsets of rays. No sample is negative: where e =
+//! 0, v has to be 0. Where nothing that varies was sampled, s is 0: an estimator that never meets
+//! the light fails. No sample may have been dropped.
 
 use super::film::Film;
 use crate::error::Error;
@@ -23,8 +25,8 @@ pub const MIN_SAMPLES: u64 = 64;
 /// Relative difference that rounding in f32 explains.
 const ROUNDING: f64 = 2e-5;
 
-/// The bound in standard errors below which no value fails, however few are compared: a standard error is itself an
-/// estimate, and samples are not normal.
+/// The bound in standard errors below which no value fails, however few are compared: a standard
+/// error is itself an estimate, and samples are not normal.
 const MIN_SIGMAS: f64 = 4.5;
 
 /// How a film compares with what its scene expects.
@@ -36,8 +38,8 @@ pub struct Check {
     pub values: usize,
     /// The bound, in standard errors.
     pub bound_sigma: f64,
-    /// The largest difference beyond rounding and tolerance, in standard errors; infinite (null in JSON) where a value
-    /// that does not vary is off.
+    /// The largest difference beyond rounding and tolerance, in standard errors; infinite (null in
+    /// JSON) where a value that does not vary is off.
     pub worst_sigma: f64,
     /// Samples that were not finite.
     pub dropped: u64,
@@ -160,14 +162,15 @@ fn values(film: &Film, expected: &ExpectedRadiance) -> Vec<Failure> {
     }
 }
 
-/// The standard errors that none of `values` right values exceeds, but with the probability of a [`Family`]'s false alarm;
-/// at least [`MIN_SIGMAS`].
+/// The standard errors that none of `values` right values exceeds, but with the probability of a
+/// [`Family`]'s false alarm; at least [`MIN_SIGMAS`].
 fn bound_sigma(values: usize) -> f64 {
     f64::max(Family::new(values.max(1)).z_bound(), MIN_SIGMAS)
 }
 
-/// How many times wider the bound of a value of `samples` samples is, one of `values`, as its standard error is itself an estimate:
-/// with few samples the difference in standard errors has Student's t-distribution (Student 1908, "The Probable Error of a Mean").
+/// How many times wider the bound of a value of `samples` samples is, one of `values`, as its
+/// standard error is itself an estimate: with few samples the difference in standard errors has
+/// Student's t-distribution (Student 1908, "The Probable Error of a Mean").
 fn widening(samples: u64, values: usize) -> f64 {
     if !(2..MIN_SAMPLES).contains(&samples) {
         return 1.0;
@@ -184,7 +187,8 @@ mod tests {
     use crate::scene::{FilmSize, Sampler};
     use glam::DVec3;
 
-    /// Two pixels of `samples` samples each with the mean 1 and the standard error 0.01 in every channel.
+    /// Two pixels of `samples` samples each with the mean 1 and the standard error 0.01 in every
+    /// channel.
     fn film(samples: u32) -> Film {
         let size = FilmSize {
             width: 2,

@@ -1,18 +1,20 @@
 //! How right an image is, told by the image itself.
 //!
-//! Every pixel has two independent *replicates* A and B, the samples with even and with odd indices: two randomisations of
-//! the sampler's pattern, each with its own seed. With a and b the replicates' errors, the image (A + B)/2 has the error
-//! (a + b)/2, and half the replicates' difference is (a − b)/2. Their squares differ by
+//! Every pixel has two independent *replicates* A and B, the samples with even and with odd
+//! indices: two randomisations of the sampler's pattern, each with its own seed. With a and b the
+//! replicates' errors, the image (A + B)/2 has the error (a + b)/2, and half the replicates'
+//! difference is (a − b)/2. Their squares differ by
 //!
 //! ```text
 //!     ((a + b)/2)² − ((a − b)/2)² = a·b
 //! ```
 //!
-//! a product of two independent numbers whose means are zero. So whatever the sampler and however heavy the tails of its
-//! samples, the squared half differences estimate the squared error of *this* image without bias. What they miss it by has
-//! the variance (2V)², with V the variance of the image's pixel, and E((a − b)/2)⁴ = 3V² tells it: exactly where errors are
-//! normal, too large where their tails are heavier. But a single difference tells it badly, and nothing where both replicates
-//! are wrong alike; so the scatter of the pixel's samples counts half at the least.
+//! a product of two independent numbers whose means are zero. So whatever the sampler and however
+//! heavy the tails of its samples, the squared half differences estimate the squared error of *this*
+//! image without bias. What they miss it by has the variance (2V)², with V the variance of the
+//! image's pixel, and E((a − b)/2)⁴ = 3V² tells it: exactly where errors are normal, too large
+//! where their tails are heavier. But a single difference tells it badly, and nothing where both
+//! replicates are wrong alike; so the scatter of the pixel's samples counts half at the least.
 
 use super::film::{Film, Pixel};
 use super::neighbourhood::{box_mean, mean_of_others};
@@ -31,7 +33,8 @@ pub const CONFIDENCE: f64 = 0.95;
 
 /// The relative mean squared error of an image against the truth, as the image itself tells it:
 ///
-/// relMSE = mean over pixels and channels of (x − r)² / (r² + 0.01·mean(r)²), with x the image and r the truth.
+/// relMSE = mean over pixels and channels of (x − r)² / (r² + 0.01·mean(r)²), with x the image and
+/// r the truth.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct RelMse {
     /// The estimate.
@@ -50,7 +53,8 @@ struct SquaredTruth {
     square: f64,
     /// What it may be at the least.
     least: f64,
-    /// The variance of its root over that of the pixel: k² + (1 − k²)/n of k times the pixel and 1 − k times the mean of n.
+    /// The variance of its root over that of the pixel: k² + (1 − k²)/n of k times the pixel and 1
+    /// − k times the mean of n.
     noise: f64,
 }
 
@@ -60,19 +64,22 @@ impl Film {
         self.error_at(CONFIDENCE)
     }
 
-    /// The same, unless `stop`, which is asked now and then, says that nobody waits for it any more: then `None`, soon.
+    /// The same, unless `stop`, which is asked now and then, says that nobody waits for it any
+    /// more: then `None`, soon.
     pub fn error_unless(&self, stop: impl Fn() -> bool) -> Option<RelMse> {
         self.look(CONFIDENCE, stop)
     }
 
-    /// The image's error, its interval holding with the probability `confidence`; `None` while a pixel has not two
-    /// samples, one of each replicate, or when the image is black.
+    /// The image's error, its interval holding with the probability `confidence`; `None` while a
+    /// pixel has not two samples, one of each replicate, or when the image is black.
     ///
-    /// In the denominators D stands what the image suggests for the truth r. Its noise, of variance ρV, is of two consequences.
-    /// By chance D = r² is off by 2r√(ρV), pixel by pixel, which adds 4ρ(V/D)³ to the variance of the pixel's term. On the
-    /// whole it makes the estimate too small or too large, as errors are skewed or not; how much it may be is told by
-    /// denominators with their noise added to them, and the interval is so much wider. Its upper end allows besides for pixels
-    /// that are bright by chance: their denominators may be those that the lesser replicate and the pixels around suggest.
+    /// In the denominators D stands what the image suggests for the truth r. Its noise, of variance
+    /// ρV, is of two consequences. By chance D = r² is off by 2r√(ρV), pixel by pixel, which adds
+    /// 4ρ(V/D)³ to the variance of the pixel's term. On the whole it makes the estimate too small
+    /// or too large, as errors are skewed or not; how much it may be is told by denominators with
+    /// their noise added to them, and the interval is so much wider. Its upper end allows besides
+    /// for pixels that are bright by chance: their denominators may be those that the lesser
+    /// replicate and the pixels around suggest.
     pub fn error_at(&self, confidence: f64) -> Option<RelMse> {
         self.look(confidence, || false)
     }
@@ -143,10 +150,12 @@ impl Film {
         })
     }
 
-    /// Per pixel and channel the variance of the mean; `None` while a pixel has not two samples, one of each replicate.
+    /// Per pixel and channel the variance of the mean; `None` while a pixel has not two samples,
+    /// one of each replicate.
     ///
-    /// That of independent samples follows from their scatter. With samplers that stratify the mean is better than the
-    /// scatter says; by how much is told by the replicates of the 7 × 7 pixels around.
+    /// That of independent samples follows from their scatter. With samplers that stratify the mean
+    /// is better than the scatter says; by how much is told by the replicates of the 7 × 7 pixels
+    /// around.
     pub fn variances(&self) -> Option<Vec<[f64; 3]>> {
         let squares = self.squared_half_differences()?;
         let scatter: Option<Vec<_>> = self
@@ -167,18 +176,21 @@ impl Film {
         Some(scaled.collect())
     }
 
-    /// What the image suggests for the square of the truth, pixel by pixel; `noise` are squares of each pixel's noise.
+    /// What the image suggests for the square of the truth, pixel by pixel; `noise` are squares of
+    /// each pixel's noise.
     ///
-    /// A pixel's own square would not do: where it is too bright by chance, its error would be divided by the too bright
-    /// value, and where samples are skewed that is just where the error is large. So it is first the local mean as far as
-    /// the pixels around differ by no more than their noise, whose mean over so few pixels is known to a factor of two (Lee
-    /// 1980, "Digital Image Enhancement and Noise Filtering by Use of Local Statistics"). With x the value found so and h
-    /// half the difference of what the replicates say, r² is taken as x² − h²·(1 − h²/x²): without the noise h² in x², but x²
-    /// itself where one replicate alone has met any light (h = x), as nothing is known of such a pixel.
+    /// A pixel's own square would not do: where it is too bright by chance, its error would be
+    /// divided by the too bright value, and where samples are skewed that is just where the error
+    /// is large. So it is first the local mean as far as the pixels around differ by no more than
+    /// their noise, whose mean over so few pixels is known to a factor of two (Lee 1980, "Digital
+    /// Image Enhancement and Noise Filtering by Use of Local Statistics"). With x the value found
+    /// so and h half the difference of what the replicates say, r² is taken as x² − h²·(1 − h²/x²):
+    /// without the noise h² in x², but x² itself where one replicate alone has met any light (h =
+    /// x), as nothing is known of such a pixel.
     ///
-    /// A pixel brighter than those around is told from one with a rare bright sample by its replicates: the lesser of them is
-    /// what the pixel has at the least, and its square is what r² is taken for where that is more and the replicates' noise
-    /// is large beside it.
+    /// A pixel brighter than those around is told from one with a rare bright sample by its
+    /// replicates: the lesser of them is what the pixel has at the least, and its square is what r²
+    /// is taken for where that is more and the replicates' noise is large beside it.
     fn squared_truth(&self, noise: &[[f64; 3]]) -> Option<Vec<[SquaredTruth; 3]>> {
         let replicates: Option<Vec<_>> = self.pixels.par_iter().map(Pixel::replicates).collect();
         let replicates = replicates?;
@@ -222,7 +234,8 @@ impl Film {
             .collect()
     }
 
-    /// Standard error of [`mean`](Self::mean); `None` while a pixel has not two samples, one of each replicate.
+    /// Standard error of [`mean`](Self::mean); `None` while a pixel has not two samples, one of
+    /// each replicate.
     pub fn standard_error_of_mean(&self) -> Option<[f64; 3]> {
         if self.sampler.is_independent() {
             return self.independent_standard_error_of_mean();
@@ -237,8 +250,9 @@ impl Film {
         Some(sum.map(|s| s.sqrt() / self.pixels.len() as f64))
     }
 
-    /// A standard error of [`mean`](Self::mean) to judge it by: where the replicates of too few parts of the image would
-    /// have to tell it, what the scatter of the samples says, which is larger.
+    /// A standard error of [`mean`](Self::mean) to judge it by: where the replicates of too few
+    /// parts of the image would have to tell it, what the scatter of the samples says, which is
+    /// larger.
     pub fn cautious_standard_error_of_mean(&self) -> Option<[f64; 3]> {
         let parts = self.pixels.len() / self.sampler.independent_side().pow(2) as usize;
         if parts < FEWEST_PARTS {
@@ -248,8 +262,8 @@ impl Film {
         }
     }
 
-    /// Standard error of [`mean`](Self::mean) if each sample had been drawn by itself: too large with samplers that
-    /// stratify. `None` while a pixel has fewer than two samples.
+    /// Standard error of [`mean`](Self::mean) if each sample had been drawn by itself: too large
+    /// with samplers that stratify. `None` while a pixel has fewer than two samples.
     pub fn independent_standard_error_of_mean(&self) -> Option<[f64; 3]> {
         let variances: Option<Vec<_>> = self
             .pixels
@@ -265,7 +279,8 @@ fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// Parts of an image, independent of each other, whose replicates tell its mean's error well enough to judge the mean by.
+/// Parts of an image, independent of each other, whose replicates tell its mean's error well enough
+/// to judge the mean by.
 const FEWEST_PARTS: usize = 32;
 
 /// Sums over tiles of `side` × `side` pixels, row by row.

@@ -5,8 +5,8 @@ use crate::scene::{FilmSize, Sampler};
 use crate::stats::moments::Moments;
 use rayon::prelude::*;
 
-/// One pixel's samples so far: per channel the [`Moments`], which share their count, and the mean of the second of two
-/// independent *replicates*, that of the samples with odd indices.
+/// One pixel's samples so far: per channel the [`Moments`], which share their count, and the mean
+/// of the second of two independent *replicates*, that of the samples with odd indices.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Pixel {
     /// Number of finite samples.
@@ -57,7 +57,8 @@ impl Pixel {
         }
     }
 
-    /// Variance of the mean per channel, as if each sample had been drawn by itself; `None` below two samples.
+    /// Variance of the mean per channel, as if each sample had been drawn by itself; `None` below
+    /// two samples.
     pub fn variance_of_mean(&self) -> Option<[f64; 3]> {
         let n = self.samples as f64;
         (self.samples > 1).then(|| self.m2.map(|m2| m2 / (n * (n - 1.0))))
@@ -72,8 +73,9 @@ impl Pixel {
             .then(|| [[0, 1, 2].map(of_first), self.second_mean])
     }
 
-    /// Per channel half the difference of the two replicates, scaled where their numbers of samples a and b differ: it has
-    /// the mean zero and the variance of the mean over all samples. `None` while a replicate has no sample.
+    /// Per channel half the difference of the two replicates, scaled where their numbers of samples
+    /// a and b differ: it has the mean zero and the variance of the mean over all samples. `None`
+    /// while a replicate has no sample.
     ///
     /// With A and B the replicates' means, (A − B)·√(ab)/(a + b) = (mean − B)·√(b/a).
     pub fn half_difference(&self) -> Option<[f64; 3]> {
@@ -277,7 +279,8 @@ mod tests {
 
     #[test]
     fn variance_survives_a_large_mean() {
-        // Mean 100, standard deviation 0.01 (HARD CASES A3): E[x²] − E[x]² would be negative in f32.
+        // Mean 100, standard deviation 0.01 (HARD CASES A3): E[x²] − E[x]² would be negative in
+        // f32.
         let values: Vec<f32> = (0..4096)
             .map(|i| 100.0 + if i % 2 == 0 { 0.01 } else { -0.01 })
             .collect();

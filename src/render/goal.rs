@@ -7,7 +7,8 @@ use crate::error::GpuError;
 
 /// Samples per pixel at which the error is looked at for the first time.
 const FIRST_LOOK: u64 = 16;
-/// Samples per pixel after which an image without any light counts as black: it has no relative error to reach.
+/// Samples per pixel after which an image without any light counts as black: it has no relative
+/// error to reach.
 const BLACK: u64 = 1024;
 
 /// A relative error and how sure it has to be.
@@ -42,9 +43,9 @@ pub enum Verdict {
 
 /// Looks at an image's error in growing intervals.
 ///
-/// A look costs time, and every look is another chance to stop because the error happens to be told too small. So the next
-/// one is where the goal should be reached if the squared error falls with the inverse of the samples, an eighth more
-/// samples away at least and twice as many at most.
+/// A look costs time, and every look is another chance to stop because the error happens to be told
+/// too small. So the next one is where the goal should be reached if the squared error falls with
+/// the inverse of the samples, an eighth more samples away at least and twice as many at most.
 #[derive(Debug, Clone, Copy)]
 pub struct ErrorMonitor {
     goal: ErrorGoal,
@@ -130,7 +131,8 @@ mod tests {
 
     #[test]
     fn the_goal_is_reached_when_the_interval_is_below_it() {
-        // The interval's upper end is 1.96·√(4/3)/64 = 3.5 % above the estimate, that of √relMSE half as much.
+        // The interval's upper end is 1.96·√(4/3)/64 = 3.5 % above the estimate, that of √relMSE
+        // half as much.
         for (relative, reached) in [(0.0101, false), (0.0103, true)] {
             let mut monitor = ErrorMonitor::new(ErrorGoal::new(relative));
             let verdict = monitor.judge(&film(1.0), 64);

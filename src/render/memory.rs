@@ -10,14 +10,15 @@ use crate::scene::load::Capacity;
 
 /// Numbers of three channels per pixel that judging the image's error holds at once.
 const ERROR_TRIPLES: u64 = 13;
-/// Bytes per triangle while the hierarchy over a mesh is built and uploaded. Of a mesh of ten million, read from a PLY file,
-/// 383 were measured; normals, texture coordinates and what else is in memory take more.
+/// Bytes per triangle while the hierarchy over a mesh is built and uploaded. Of a mesh of ten
+/// million, read from a PLY file, 383 were measured; normals, texture coordinates and what else is
+/// in memory take more.
 const TRIANGLE_BYTES: u64 = 512;
 /// Channels per pixel that an EXR is written from.
 const CHANNELS: u64 = 8;
 
-/// Bytes of the film, of the copy of it that is looked at, and of what is computed from that, for an image of `size` with
-/// `groups` groups of lights.
+/// Bytes of the film, of the copy of it that is looked at, and of what is computed from that, for
+/// an image of `size` with `groups` groups of lights.
 pub fn host_bytes(size: FilmSize, groups: usize) -> u64 {
     let triple = size_of::<[f64; 3]>() as u64;
     let film = size_of::<Pixel>() as u64 + groups as u64 * triple;
@@ -31,8 +32,8 @@ fn device_bytes(size: FilmSize, groups: usize) -> u64 {
     size.pixels() as u64 * (2 * state + 2 * size_of::<u32>()) as u64
 }
 
-/// Checks that an image of `size`, and what is uploaded of `prepared`, fit the memory of the host; that of a device in software is
-/// the same memory.
+/// Checks that an image of `size`, and what is uploaded of `prepared`, fit the memory of the host;
+/// that of a device in software is the same memory.
 ///
 /// # Errors
 /// It does not.
@@ -64,7 +65,8 @@ pub(super) fn check(
     }
 }
 
-/// Most triangles of which the memory that is available holds what is read and built; `None` where the system does not tell.
+/// Most triangles of which the memory that is available holds what is read and built; `None` where
+/// the system does not tell.
 pub fn capacity() -> Option<Capacity> {
     let available = available()?;
     Some(Capacity {
@@ -75,8 +77,8 @@ pub fn capacity() -> Option<Capacity> {
     })
 }
 
-/// Bytes that this process may still take: what the machine has left, its control group and its limit of address space. `None`
-/// where the system does not tell.
+/// Bytes that this process may still take: what the machine has left, its control group and its
+/// limit of address space. `None` where the system does not tell.
 fn available() -> Option<u64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let kibibytes = |path: &str, key: &str| Some(1024 * number_after(&read(path)?, key)?);

@@ -3,7 +3,8 @@
 use crate::scene::FilmSize;
 use rayon::prelude::*;
 
-/// Per pixel and channel the mean over the square of pixels at most `radius` away, as far as it lies in the image.
+/// Per pixel and channel the mean over the square of pixels at most `radius` away, as far as it
+/// lies in the image.
 pub(crate) fn box_mean(values: &[[f64; 3]], size: FilmSize, radius: usize) -> Vec<[f64; 3]> {
     let (width, height) = (size.width as usize, size.height as usize);
     let mut rows = vec![[0.0; 3]; values.len()];

@@ -29,8 +29,8 @@ pub fn duration(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX)
 }
 
-/// The passes of one render, on one device or on several that follow each other, until samples, time or error are what its
-/// settings ask for.
+/// The passes of one render, on one device or on several that follow each other, until samples,
+/// time or error are what its settings ask for.
 #[derive(Debug, Clone)]
 pub struct Passes {
     spp: u64,
@@ -66,8 +66,9 @@ impl Passes {
         self.start.elapsed()
     }
 
-    /// Takes one pass, which [`judge`](Self::judge) may follow, unless there is nothing left to do. The first is finished
-    /// whatever the time, so that there is an image; `interrupted` is asked between dispatches.
+    /// Takes one pass, which [`judge`](Self::judge) may follow, unless there is nothing left to do.
+    /// The first is finished whatever the time, so that there is an image; `interrupted` is asked
+    /// between dispatches.
     ///
     /// # Errors
     /// The driver fails.

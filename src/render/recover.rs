@@ -18,7 +18,8 @@ type Safe = (Checkpoint, (Film, RayCounts));
 pub struct Failure {
     /// Why.
     pub error: Error,
-    /// The image so far, and the rays traced for it; none while there is no sample of it on the host.
+    /// The image so far, and the rays traced for it; none while there is no sample of it on the
+    /// host.
     pub image: Option<Box<(Film, RayCounts)>>,
 }
 
@@ -31,9 +32,10 @@ impl Failure {
     }
 }
 
-/// Lets `work` render `prepared`, with its own size and seed, on a device that `open` gives. When the device is lost, `lost`
-/// is told why and how many samples per pixel are safe, and `work` goes on with those on another device; the image is the
-/// one that an unbroken render on the same driver would have given, bit for bit.
+/// Lets `work` render `prepared`, with its own size and seed, on a device that `open` gives. When
+/// the device is lost, `lost` is told why and how many samples per pixel are safe, and `work` goes
+/// on with those on another device; the image is the one that an unbroken render on the same driver
+/// would have given, bit for bit.
 ///
 /// # Errors
 /// `work` or `open` fails, or devices are lost again and again without a sample between.

@@ -1,10 +1,11 @@
 //! A render in progress.
 //!
-//! The image is cut into regions whose pixel states fit one binding, regions into 8 × 8 tiles. A *pass* takes every
-//! pixel a few samples further, in dispatches sized by feedback so that each stays short. Samples are accumulated in
-//! blocks of 256 in f32 on the GPU; a full block is merged into the f64 film. Where a pass is cut does not
-//! change the image: a pixel's state goes on exactly from where it stood. With adaptive sampling
-//! pixels fall into classes, each with a number of samples and a block of its own.
+//! The image is cut into regions whose pixel states fit one binding, regions into 8 × 8 tiles. A *pass*
+//! takes every pixel a few samples further, in dispatches sized by feedback so that each stays
+//! short. Samples are accumulated in blocks of 256 in f32 on the GPU; a full block is merged into
+//! the f64 film. Where a pass is cut does not change the image: a pixel's state goes on exactly
+//! from where it stood. With adaptive sampling pixels fall into classes, each with a number of
+//! samples and a block of its own.
 
 mod build;
 pub(super) mod checkpoint;
@@ -26,7 +27,8 @@ use std::time::{Duration, Instant};
 
 /// Workgroups of one dispatch at most (WebGPU's default limit).
 const MAX_WORKGROUPS: u32 = 65_535;
-/// Dispatches without a finished pixel after which a scene counts as too deep for the driver's loops.
+/// Dispatches without a finished pixel after which a scene counts as too deep for the driver's
+/// loops.
 const MAX_RETRIES: u32 = 4096;
 
 /// Rays traced.
@@ -89,22 +91,25 @@ impl<'a> Session<'a> {
         self.kernel.wgsl()
     }
 
-    /// Samples that every pixel has; with adaptive sampling, what they have on the average, rounded down.
+    /// Samples that every pixel has; with adaptive sampling, what they have on the average, rounded
+    /// down.
     pub fn samples(&self) -> u64 {
         self.progress.samples()
     }
 
-    /// Samples per pixel that the next pass should take so that it lasts about one dispatch, at least 1.
+    /// Samples per pixel that the next pass should take so that it lasts about one dispatch, at
+    /// least 1.
     pub fn pass_samples(&self, remaining: u64) -> u64 {
         let pixels = self.film.size.pixels() as u64;
         (self.budget / pixels).clamp(1, remaining.clamp(1, u64::from(BLOCK_SAMPLES)))
     }
 
-    /// Takes every pixel `samples` further, at most to the end of the open block; with adaptive sampling, about so many on the
-    /// average. `stop` is asked between dispatches.
+    /// Takes every pixel `samples` further, at most to the end of the open block; with adaptive
+    /// sampling, about so many on the average. `stop` is asked between dispatches.
     ///
     /// # Errors
-    /// The driver fails, or ends the scene's traversal loops so early that no sample can be finished.
+    /// The driver fails, or ends the scene's traversal loops so early that no sample can be
+    /// finished.
     pub fn pass(
         &mut self,
         samples: u64,
@@ -160,7 +165,8 @@ impl<'a> Session<'a> {
         Ok(StopReason::Done)
     }
 
-    /// Brings `count` rows of pixels of a class, from the row `first_row` of a region on, to `target`.
+    /// Brings `count` rows of pixels of a class, from the row `first_row` of a region on, to
+    /// `target`.
     fn dispatch_rows(
         &mut self,
         (region, class): (usize, usize),
@@ -217,8 +223,8 @@ impl<'a> Session<'a> {
         Ok(!unfinished)
     }
 
-    /// Pixel-samples that fit the time a dispatch should take, judging by one of `done` that took `elapsed`. A dispatch
-    /// far below the budget is no evidence that the budget is too large.
+    /// Pixel-samples that fit the time a dispatch should take, judging by one of `done` that took
+    /// `elapsed`. A dispatch far below the budget is no evidence that the budget is too large.
     fn next_budget(&self, done: u64, elapsed: Duration) -> u64 {
         let fit = done as f64 * self.dispatch_time.as_secs_f64() / elapsed.as_secs_f64().max(1e-6);
         let largest = self.budget.max(done).saturating_mul(4);
@@ -235,8 +241,9 @@ impl<'a> Session<'a> {
         self.context
     }
 
-    /// Where sampling is adaptive and the pilot is over, shares the samples out. Returns how many of the next `samples` per pixel
-    /// may be taken until that is to be done, all of them if it never is again.
+    /// Where sampling is adaptive and the pilot is over, shares the samples out. Returns how many
+    /// of the next `samples` per pixel may be taken until that is to be done, all of them if it
+    /// never is again.
     fn share_out(&mut self, samples: u64) -> Result<u64, GpuError> {
         if !self.adaptive || self.progress.allocation.is_some() {
             return Ok(samples);

@@ -1,10 +1,11 @@
 //! Choice in constant time from a discrete distribution.
 //!
-//! Walker 1974; construction by Vose 1991, here in f64 and then rounded to integer thresholds. The probabilities that
-//! the table keeps are those it realises, counted over all 2³² random words, not those that were asked for.
+//! Walker 1974; construction by Vose 1991, here in f64 and then rounded to integer thresholds. The
+//! probabilities that the table keeps are those it realises, counted over all 2³² random words, not
+//! those that were asked for.
 
-/// One entry of an alias table over n entries. Word `u` falls on entry `⌊u·n/2³²⌋`; it stays there when
-/// `u·n mod 2³² < threshold`, else it moves to `alias`.
+/// One entry of an alias table over n entries. Word `u` falls on entry `⌊u·n/2³²⌋`; it stays there
+/// when `u·n mod 2³² < threshold`, else it moves to `alias`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AliasEntry {
     /// In units of 2⁻³².
@@ -26,9 +27,9 @@ pub struct AliasTable {
 const WORDS: u64 = 1 << 32;
 
 impl AliasTable {
-    /// A table for `weights`, which are finite and not negative. An index of weight zero is never chosen; any other is by
-    /// one of the 2³² words at least, however small its weight, so that estimators which divide by the realised
-    /// probability lose nothing (HARD CASES S2).
+    /// A table for `weights`, which are finite and not negative. An index of weight zero is never
+    /// chosen; any other is by one of the 2³² words at least, however small its weight, so that
+    /// estimators which divide by the realised probability lose nothing (HARD CASES S2).
     ///
     /// `None` when no weight is positive or there are more than 2³² − 1.
     pub fn new(weights: &[f64]) -> Option<Self> {
@@ -39,7 +40,8 @@ impl AliasTable {
         // Scaling by the maximum first keeps the sum finite and above zero.
         let sum: f64 = weights.iter().map(|w| w / largest).sum();
         let n = weights.len();
-        // The fractions u·n mod 2³² of an entry's words lie n apart: below n units of 2⁻³² there is one of them.
+        // The fractions u·n mod 2³² of an entry's words lie n apart: below n units of 2⁻³² there is
+        // one of them.
         let one_word = n as f64 / WORDS as f64;
         let mut share: Vec<f64> = weights
             .iter()
@@ -74,7 +76,8 @@ impl AliasTable {
                 small.push(l);
             }
         }
-        // What is left has share 1 up to rounding; an index of weight zero goes to the heaviest all the same.
+        // What is left has share 1 up to rounding; an index of weight zero goes to the heaviest all
+        // the same.
         for i in large.into_iter().chain(small) {
             let zero = weights[i as usize] <= 0.0;
             entries[i as usize] = AliasEntry {
@@ -107,7 +110,8 @@ fn realised(entries: &[AliasEntry]) -> Vec<f64> {
     let n = entries.len() as u64;
     let mut words = vec![0_u64; entries.len()];
     for (i, entry) in entries.iter().enumerate() {
-        // Words u with ⌊u·n/2³²⌋ = i are first..end; their fractions u·n mod 2³² are start, start + n, ...
+        // Words u with ⌊u·n/2³²⌋ = i are first..end; their fractions u·n mod 2³² are start, start +
+        // n, ...
         let first = (i as u64 * WORDS).div_ceil(n);
         let end = ((i as u64 + 1) * WORDS).div_ceil(n);
         let start = first * n - i as u64 * WORDS;

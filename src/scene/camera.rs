@@ -5,7 +5,8 @@ use glam::DVec3;
 /// A camera: an eye, an orthonormal frame, a projection and a lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Centre of the lens, world space; of an orthographic camera, the middle of the plane that its rays start on.
+    /// Centre of the lens, world space; of an orthographic camera, the middle of the plane that its
+    /// rays start on.
     pub eye: DVec3,
     /// Unit vector to the right of the image.
     pub right: DVec3,
@@ -34,8 +35,8 @@ pub enum Projection {
     },
 }
 
-/// A thin lens around the eye, across the viewing direction (Potmesil & Chakravarty 1981, "A Lens and Aperture Camera Model
-/// for Synthetic Image Generation"; Pharr et al. 2016, §6.2.3).
+/// A thin lens around the eye, across the viewing direction (Potmesil & Chakravarty 1981, "A Lens
+/// and Aperture Camera Model for Synthetic Image Generation"; Pharr et al. 2016, §6.2.3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// Its radius, world space; 0 is a pinhole, which sees everything sharply.
@@ -53,7 +54,8 @@ impl Lens {
 }
 
 impl Default for Camera {
-    /// A pinhole at (0, 0, 4) that looks at the origin, +y up, with a vertical field of view of 40°.
+    /// A pinhole at (0, 0, 4) that looks at the origin, +y up, with a vertical field of view of
+    /// 40°.
     fn default() -> Self {
         Self {
             eye: 4.0 * DVec3::Z,
@@ -93,7 +95,8 @@ impl Camera {
         (eye.is_finite() && fov_y.is_finite()).then_some(camera)
     }
 
-    /// Half the image's height: on the plane at distance 1 from the eye, or where the camera is orthographic, in world space.
+    /// Half the image's height: on the plane at distance 1 from the eye, or where the camera is
+    /// orthographic, in world space.
     pub fn half_height(&self) -> f64 {
         match self.projection {
             Projection::Perspective { fov_y } => (0.5 * fov_y).tan(),

@@ -1,6 +1,7 @@
 //! Settings that are one of a few named choices.
 
-/// Defines an enum whose variants have one name, in kebab-case, in scene files, on the command line, in JSON and in print.
+/// Defines an enum whose variants have one name, in kebab-case, in scene files, on the command
+/// line, in JSON and in print.
 macro_rules! choice {
     ($(#[$meta:meta])* pub enum $name:ident { $($(#[$of_variant:meta])* $variant:ident,)* }) => {
         $(#[$meta])*

@@ -2,14 +2,14 @@
 
 use glam::{DMat3, DVec3};
 
-/// An ellipsoid around the origin, by its principal axes: the points R (radii ∘ p), |p| ≤ 1, with R the rotation of the
-/// Rodrigues vector.
+/// An ellipsoid around the origin, by its principal axes: the points R (radii ∘ p), |p| ≤ 1, with R
+/// the rotation of the Rodrigues vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PrincipalAxes {
     /// Lengths of the half axes, above 0.
     pub radii: DVec3,
-    /// Rodrigues vector of the rotation: its axis times the tangent of half its angle; at most 0.62 long. 0 where the
-    /// axes are those of the coordinates.
+    /// Rodrigues vector of the rotation: its axis times the tangent of half its angle; at most 0.62
+    /// long. 0 where the axes are those of the coordinates.
     pub rodrigues: DVec3,
 }
 
@@ -19,9 +19,9 @@ const MAX_SWEEPS: usize = 40;
 impl PrincipalAxes {
     /// Those of the image of the unit sphere under the invertible map `m`.
     ///
-    /// One-sided Jacobi method (Hestenes 1958): rotations on the right of `m`, which map the unit sphere to itself, make its
-    /// columns orthogonal. Small half axes keep their digits beside large ones where the columns have them (Demmel & Veselić
-    /// 1992).
+    /// One-sided Jacobi method (Hestenes 1958): rotations on the right of `m`, which map the unit
+    /// sphere to itself, make its columns orthogonal. Small half axes keep their digits beside
+    /// large ones where the columns have them (Demmel & Veselić 1992).
     pub fn of(m: DMat3) -> Self {
         let mut columns = [m.x_axis, m.y_axis, m.z_axis];
         for _ in 0..MAX_SWEEPS {
@@ -64,8 +64,8 @@ fn orthogonalize(columns: &mut [DVec3; 3], i: usize, j: usize) -> bool {
     true
 }
 
-/// Which direction, with which sign, goes to which coordinate, so that together they are a rotation by as small an angle as
-/// can be.
+/// Which direction, with which sign, goes to which coordinate, so that together they are a rotation
+/// by as small an angle as can be.
 fn nearest_order(directions: &[DVec3; 3]) -> [(usize, f64); 3] {
     const ORDERS: [[usize; 3]; 6] = [
         [0, 1, 2],
@@ -90,13 +90,15 @@ fn nearest_order(directions: &[DVec3; 3]) -> [(usize, f64); 3] {
     best.expect("there are six orders").1
 }
 
-/// The Rodrigues vector of the rotation that turns the coordinates' axes to `images`, by less than a half turn.
+/// The Rodrigues vector of the rotation that turns the coordinates' axes to `images`, by less than
+/// a half turn.
 fn rodrigues_vector([x, y, z]: &[DVec3; 3]) -> DVec3 {
     let twice_sine = DVec3::new(y.z - z.y, z.x - x.z, x.y - y.x);
     twice_sine / (1.0 + x.x + y.y + z.z)
 }
 
-/// The rotation with the Rodrigues vector g: I + 2/(1 + |g|²) (G + G²), G v = g × v. Orthogonal for every g.
+/// The rotation with the Rodrigues vector g: I + 2/(1 + |g|²) (G + G²), G v = g × v. Orthogonal for
+/// every g.
 pub fn rotation(rodrigues: DVec3) -> DMat3 {
     let turned = |v: DVec3| {
         let across = rodrigues.cross(v);
@@ -105,7 +107,8 @@ pub fn rotation(rodrigues: DVec3) -> DMat3 {
     DMat3::from_cols(turned(DVec3::X), turned(DVec3::Y), turned(DVec3::Z))
 }
 
-/// Surface of an ellipsoid with half axes of the lengths a, b, c: 4π R_G(a²b², b²c², c²a²) (DLMF 19.33.1).
+/// Surface of an ellipsoid with half axes of the lengths a, b, c: 4π R_G(a²b², b²c², c²a²) (DLMF
+/// 19.33.1).
 pub fn surface(radii: DVec3) -> f64 {
     let unit = radii.max_element();
     let r = radii / unit;
@@ -115,7 +118,8 @@ pub fn surface(radii: DVec3) -> f64 {
     4.0 * std::f64::consts::PI * unit * unit * integral
 }
 
-/// Half the size of the axis-parallel box around the image of the unit sphere under `m`: per axis the length of a row.
+/// Half the size of the axis-parallel box around the image of the unit sphere under `m`: per axis
+/// the length of a row.
 pub fn half_extent(m: DMat3) -> DVec3 {
     DVec3::new(m.row(0).length(), m.row(1).length(), m.row(2).length())
 }
@@ -155,7 +159,8 @@ mod tests {
         maps
     }
 
-    /// The image of the sphere is {p : p·(M Mᵀ)⁻¹p = 1}, and M Mᵀ tells by how much it reaches in each direction.
+    /// The image of the sphere is {p : p·(M Mᵀ)⁻¹p = 1}, and M Mᵀ tells by how much it reaches in
+    /// each direction.
     #[test]
     fn principal_axes_make_the_same_ellipsoid() {
         for m in maps() {
@@ -186,7 +191,8 @@ mod tests {
         assert_eq!(found.rodrigues, DVec3::ZERO);
     }
 
-    /// Spheroids have elementary surfaces: oblate 2πa² (1 + (1 − e²)/e · artanh e), prolate 2πa² (1 + c/(a e) asin e).
+    /// Spheroids have elementary surfaces: oblate 2πa² (1 + (1 − e²)/e · artanh e), prolate 2πa² (1 +
+    /// c/(a e) asin e).
     #[test]
     fn surfaces_are_those_of_spheroids_and_of_flat_disks() {
         assert!((surface(DVec3::splat(2.0)) / (16.0 * PI) - 1.0).abs() < 1e-14);

@@ -1,16 +1,19 @@
 //! Makes lights larger that are too small for f32, and dimmer by as much.
 //!
-//! The normal of a planar light is the product of its edges, whose square underflows below 10⁻¹⁹; a density is the reciprocal of
-//! its area. From anywhere else a light so small is a point: what arrives depends on its power alone.
+//! The normal of a planar light is the product of its edges, whose square underflows below 10⁻¹⁹; a
+//! density is the reciprocal of its area. From anywhere else a light so small is a point: what
+//! arrives depends on its power alone.
 
 use super::ellipsoid::PrincipalAxes;
 use super::normalize::Normalization;
 use super::{Geometry, Scene};
 
-/// Smallest size of a light, normalised space: its coordinates are rounded to 2⁻²⁴ of their distance from the centre.
+/// Smallest size of a light, normalised space: its coordinates are rounded to 2⁻²⁴ of their
+/// distance from the centre.
 const MIN_SIZE: f64 = 1.0 / 268_435_456.0;
 
-/// Enlarges the lights of `scene` that are smaller than f32 can be sure of, about their middle; their power stays.
+/// Enlarges the lights of `scene` that are smaller than f32 can be sure of, about their middle;
+/// their power stays.
 pub fn enlarge(scene: &mut Scene, normalization: &Normalization) {
     let least = MIN_SIZE / normalization.scale;
     for shape in &mut scene.shapes {
@@ -20,7 +23,8 @@ pub fn enlarge(scene: &mut Scene, normalization: &Normalization) {
     }
 }
 
-/// Gives `geometry` the size `least` along its axes where it has less; returns the factor of its area.
+/// Gives `geometry` the size `least` along its axes where it has less; returns the factor of its
+/// area.
 fn enlarged(geometry: &mut Geometry, least: f64) -> f64 {
     // What has no length cannot be scaled to one.
     let factor = |length: f64| {

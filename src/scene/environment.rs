@@ -9,8 +9,8 @@ use serde::Deserialize;
 pub struct Environment {
     /// Where the radiance comes from.
     pub radiance: EnvironmentRadiance,
-    /// Rotation from the map's space to world space. In the map's space +y is up (row 0 of the image), and the
-    /// image's centre column lies in direction −z.
+    /// Rotation from the map's space to world space. In the map's space +y is up (row 0 of the
+    /// image), and the image's centre column lies in direction −z.
     pub rotation: DMat3,
     /// Factor on the radiance.
     pub scale: f64,
@@ -27,8 +27,8 @@ pub enum EnvironmentRadiance {
 
 /// A latitude-longitude map of radiance, row 0 at the zenith (+y).
 ///
-/// Column `x` (from 0 to `width`) lies at azimuth `φ = 2π·x/width`, direction `(−sin φ·sin θ, cos θ, cos φ·sin θ)`,
-/// with `θ = π·y/height`.
+/// Column `x` (from 0 to `width`) lies at azimuth `φ = 2π·x/width`, direction `(−sin φ·sin θ, cos
+/// θ, cos φ·sin θ)`, with `θ = π·y/height`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvironmentMap {
     /// Name of the file, for messages.

@@ -1,10 +1,10 @@
 //! Pixel filters: what a pixel shows of what lies around its middle.
 //!
-//! A pixel is the mean of radiance over the film, weighted by a filter around the pixel's middle. Filters here are
-//! products of the same function of x and of y, symmetric, and nowhere negative: the place of a sample is drawn in
-//! proportion to the filter, and all samples weigh the same (Ernst, Stamminger & Greiner 2006, "Filter Importance
-//! Sampling"). Each pixel draws its own samples, so that pixels stay independent of each other, as the image's error
-//! assumes.
+//! A pixel is the mean of radiance over the film, weighted by a filter around the pixel's middle.
+//! Filters here are products of the same function of x and of y, symmetric, and nowhere negative:
+//! the place of a sample is drawn in proportion to the filter, and all samples weigh the same
+//! (Ernst, Stamminger & Greiner 2006, "Filter Importance Sampling"). Each pixel draws its own
+//! samples, so that pixels stay independent of each other, as the image's error assumes.
 
 use super::choice::choice;
 
@@ -30,7 +30,8 @@ pub struct PixelFilter {
     pub kind: FilterKind,
     /// Distance, along each axis, from which on it is zero; positive.
     pub radius: f64,
-    /// Standard deviation of the Gaussian before anything is taken off it; positive. Other filters have none.
+    /// Standard deviation of the Gaussian before anything is taken off it; positive. Other filters
+    /// have none.
     pub stddev: f64,
 }
 
@@ -44,8 +45,8 @@ impl PixelFilter {
     /// Standard deviation of a Gaussian where nothing else is said.
     pub const STDDEV: f64 = 0.5;
 
-    /// The filter with the usual radius: the pixel's own square, a tent to the neighbours' middles, pbrt's Gaussian, and a
-    /// Blackman–Harris window about as wide as that.
+    /// The filter with the usual radius: the pixel's own square, a tent to the neighbours' middles,
+    /// pbrt's Gaussian, and a Blackman–Harris window about as wide as that.
     pub fn of_kind(kind: FilterKind) -> Self {
         let radius = match kind {
             FilterKind::Box => 0.5,
@@ -75,7 +76,8 @@ impl PixelFilter {
             FilterKind::Box => 1.0,
             FilterKind::Tent => 1.0 - x / r,
             FilterKind::Gaussian => {
-                // e^{−x²/2σ²} − e^{−r²/2σ²} = e^{−r²/2σ²} (e^{(r²−x²)/2σ²} − 1), where the difference would cancel.
+                // e^{−x²/2σ²} − e^{−r²/2σ²} = e^{−r²/2σ²} (e^{(r²−x²)/2σ²} − 1), where the
+                // difference would cancel.
                 let exponent = |y: f64| 0.5 * (y / self.stddev) * (y / self.stddev);
                 let rise = (r - x) * (r + x) / (2.0 * self.stddev * self.stddev);
                 if rise < 1.0 {
@@ -94,8 +96,8 @@ impl PixelFilter {
         }
     }
 
-    /// Distance beyond which nothing is drawn: that of the filter, or where a Gaussian holds less than the random numbers
-    /// resolve, 2⁻²⁴.
+    /// Distance beyond which nothing is drawn: that of the filter, or where a Gaussian holds less
+    /// than the random numbers resolve, 2⁻²⁴.
     fn reach(&self) -> f64 {
         match self.kind {
             FilterKind::Gaussian => self.radius.min(6.0 * self.stddev),
@@ -131,17 +133,21 @@ pub const FILTER_CELLS: usize = 32;
 
 /// What the distance |x| of a sample from its pixel's middle is drawn from, along one axis.
 ///
-/// The distance is cut into [`FILTER_CELLS`] cells of equal width. Each holds exactly the part of the filter's integral that
-/// lies in it, up to the rounding of its ends to f32; within a cell the density is linear, in the ratio of the filter's
-/// values at the cell's ends. For box and tent this is the filter itself. For the others the density is within 0.5 % of
-/// its peak, and the distribution function, which is what an edge shows, within 5·10⁻⁵ of the filter's own: see the tests.
+/// The distance is cut into [`FILTER_CELLS`] cells of equal width. Each holds exactly the part of
+/// the filter's integral that lies in it, up to the rounding of its ends to f32; within a cell the
+/// density is linear, in the ratio of the filter's values at the cell's ends. For box and tent this
+/// is the filter itself. For the others the density is within 0.5 % of its peak, and the
+/// distribution function, which is what an edge shows, within 5·10⁻⁵ of the filter's own: see the
+/// tests.
 ///
-/// A table of equal cells was chosen over polynomials for the inverse, whose slope is infinite where a filter ends in
-/// zero, and over Newton's method, which evaluates three cosines per step: it is exact where it matters, the same code
-/// for every filter, and costs five comparisons and a square root.
+/// A table of equal cells was chosen over polynomials for the inverse, whose slope is infinite
+/// where a filter ends in zero, and over Newton's method, which evaluates three cosines per step:
+/// it is exact where it matters, the same code for every filter, and costs five comparisons and a
+/// square root.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilterTable {
-    /// Per end of a cell: the distribution function of |x|, rising from 0 to 1, and the density over its peak.
+    /// Per end of a cell: the distribution function of |x|, rising from 0 to 1, and the density
+    /// over its peak.
     pub knots: [[f32; 2]; FILTER_CELLS + 1],
     /// Width of a cell in pixels.
     pub cell_width: f32,
@@ -196,7 +202,8 @@ mod tests {
         part(x) / part(filter.radius)
     }
 
-    /// Inside the cells, where the density is linear, nothing is further off than the documentation says.
+    /// Inside the cells, where the density is linear, nothing is further off than the documentation
+    /// says.
     #[test]
     fn tables_hold_their_filters() {
         for filter in filters() {

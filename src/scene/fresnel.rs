@@ -3,7 +3,8 @@
 /// Points of [`average`]: the midpoint rule is then within 1e-7 of the integral.
 const POINTS: u32 = 2048;
 
-/// Reflectance of a dielectric with relative index of refraction `eta` = n_t/n_i > 0 at an incident cosine in [0, 1].
+/// Reflectance of a dielectric with relative index of refraction `eta` = n_t/n_i > 0 at an incident
+/// cosine in [0, 1].
 pub fn dielectric_reflectance(cos_i: f64, eta: f64) -> f64 {
     let difference = (eta - 1.0) * (eta + 1.0);
     let squared = cos_i * cos_i + difference;
@@ -17,8 +18,8 @@ pub fn dielectric_reflectance(cos_i: f64, eta: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// Reflectance of a conductor with complex index of refraction `eta` + i·`k`, `eta` > 0, `k` ≥ 0 (Born & Wolf 1999,
-/// section 14.2): with (a + ib)² = (η + ik)² − sin²θ
+/// Reflectance of a conductor with complex index of refraction `eta` + i·`k`, `eta` > 0, `k` ≥ 0
+/// (Born & Wolf 1999, section 14.2): with (a + ib)² = (η + ik)² − sin²θ
 ///
 /// ```text
 ///     R_s = |c − a − ib|²/|c + a + ib|²,   R_p = R_s·|a + ib − sin²θ/c|²/|a + ib + sin²θ/c|²,   c = cosθ
@@ -57,7 +58,8 @@ mod tests {
     use super::*;
     use crate::reference::exact::fresnel;
 
-    /// The reference's 1 − sin²θ_t loses digits where that is small: at grazing angles between indices that are all but equal.
+    /// The reference's 1 − sin²θ_t loses digits where that is small: at grazing angles between
+    /// indices that are all but equal.
     #[test]
     fn dielectrics_are_fresnels() {
         for eta in [1.0, 1.000_001, 1.5, 2.4, 1.0 / 1.5] {
@@ -70,7 +72,8 @@ mod tests {
         }
     }
 
-    /// Without absorption a conductor is a dielectric; at normal incidence R = ((η−1)² + k²)/((η+1)² + k²).
+    /// Without absorption a conductor is a dielectric; at normal incidence R = ((η−1)² +
+    /// k²)/((η+1)² + k²).
     #[test]
     fn conductors_have_the_known_limits() {
         for cos in [0.05, 0.4, 0.99] {

@@ -64,7 +64,8 @@ impl LightGroups {
         self.environment
     }
 
-    /// Why `name` is no name of a group; `None` where it is one. It becomes a part of channels' names.
+    /// Why `name` is no name of a group; `None` where it is one. It becomes a part of channels'
+    /// names.
     pub fn problem(name: &str) -> Option<String> {
         let fits = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-');
         let fine = !name.is_empty() && name.len() <= 64 && name.chars().all(fits);

@@ -12,8 +12,8 @@ pub struct Material {
     pub name: String,
     /// The scattering function.
     pub bsdf: Bsdf,
-    /// With `false` the back of the surface does not exist: rays pass through it (back-face culling, glTF's
-    /// `doubleSided = false`). With `true` both sides scatter alike.
+    /// With `false` the back of the surface does not exist: rays pass through it (back-face
+    /// culling, glTF's `doubleSided = false`). With `true` both sides scatter alike.
     pub double_sided: bool,
     /// What varies over the surface.
     pub textures: MaterialTextures,
@@ -61,9 +61,11 @@ pub enum Bsdf {
     Dielectric {
         /// Index of refraction inside over that outside.
         ior: f64,
-        /// Factor on what passes through the surface, each channel in [0, 1]; through a closed body light passes twice.
+        /// Factor on what passes through the surface, each channel in [0, 1]; through a closed body
+        /// light passes twice.
         transmittance: DVec3,
-        /// A pane without thickness: nothing is refracted, and what is reflected between its sides counts.
+        /// A pane without thickness: nothing is refracted, and what is reflected between its sides
+        /// counts.
         thin: bool,
     },
     /// A rough conductor: GGX microfacets with Schlick's Fresnel.
@@ -102,7 +104,8 @@ pub enum Bsdf {
         /// Its extensions.
         layer: DielectricLayer,
     },
-    /// KHR_materials_pbrSpecularGlossiness: a diffuse base under GGX microfacets with Schlick's Fresnel.
+    /// KHR_materials_pbrSpecularGlossiness: a diffuse base under GGX microfacets with Schlick's
+    /// Fresnel.
     SpecularGlossiness {
         /// Albedo of the base before the specular lobe takes its part, each channel in [0, 1].
         diffuse: DVec3,
@@ -129,12 +132,14 @@ pub struct DielectricLayer {
     pub specular: f64,
     /// KHR_materials_specular: factor on its reflectance at normal incidence, not negative.
     pub specular_color: DVec3,
-    /// KHR_materials_transmission: the part of what enters that passes through instead of being scattered, in [0, 1].
+    /// KHR_materials_transmission: the part of what enters that passes through instead of being
+    /// scattered, in [0, 1].
     pub transmission: f64,
-    /// Whether what passes through is not refracted: there is no KHR_materials_volume, or its thickness is 0.
+    /// Whether what passes through is not refracted: there is no KHR_materials_volume, or its
+    /// thickness is 0.
     pub thin: bool,
-    /// Whether a texture makes metal of parts of the glass: a point is metal where metallic is at least 1/2, else glass
-    /// without metal.
+    /// Whether a texture makes metal of parts of the glass: a point is metal where metallic is at
+    /// least 1/2, else glass without metal.
     pub metal_mask: bool,
 }
 
@@ -153,10 +158,11 @@ impl Default for DielectricLayer {
 
 /// What every BSDF comes down to: a diffuse base under a specular lobe, and what passes through.
 ///
-/// With Schlick's `F` this is glTF's `f_r = (1 − F(ω_i·h)) diffuse/π + F·D·V`, GGX `D` and height-correlated Smith `V`.
-/// Under a dielectric's lobe the base is lit through the coat both ways, `(1 − F(θ_i)) (1 − F(θ_o))/(1 − F̄)
-/// diffuse/π` with F̄ the lobe's average: reciprocal, and a smooth coat over a white base reflects all light (Kelemen &
-/// Szirmay-Kalos 2001 with the smooth coat's albedo, F itself). Without `specular` only `diffuse/π` remains.
+/// With Schlick's `F` this is glTF's `f_r = (1 − F(ω_i·h)) diffuse/π + F·D·V`, GGX `D` and
+/// height-correlated Smith `V`. Under a dielectric's lobe the base is lit through the coat both
+/// ways, `(1 − F(θ_i)) (1 − F(θ_o))/(1 − F̄) diffuse/π` with F̄ the lobe's average: reciprocal, and
+/// a smooth coat over a white base reflects all light (Kelemen & Szirmay-Kalos 2001 with the smooth
+/// coat's albedo, F itself). Without `specular` only `diffuse/π` remains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BsdfParameters {
     /// Albedo of the diffuse base.
@@ -253,10 +259,12 @@ impl BsdfParameters {
 }
 
 impl Bsdf {
-    /// Smallest GGX width that is simulated as one; a narrower lobe is a mirror, in which camera rays go on.
+    /// Smallest GGX width that is simulated as one; a narrower lobe is a mirror, in which camera
+    /// rays go on.
     pub const MIN_ALPHA: f64 = 1e-4;
 
-    /// Multiplies the reflectance, the base colour or what passes through. A metal of a given index has no colour beside it.
+    /// Multiplies the reflectance, the base colour or what passes through. A metal of a given index
+    /// has no colour beside it.
     pub fn scale_color(&mut self, factor: DVec3) {
         match self {
             Self::Lambert { reflectance: color }
@@ -311,8 +319,8 @@ impl Bsdf {
         matches!(self, Self::MetallicRoughness { layer, .. } if layer.metal_mask)
     }
 
-    /// The lobes where the material's textures say `factors`; `own` are those without. No texture makes a mirror of a rough
-    /// surface.
+    /// The lobes where the material's textures say `factors`; `own` are those without. No texture
+    /// makes a mirror of a rough surface.
     pub fn textured_parameters(
         &self,
         own: &BsdfParameters,
@@ -343,7 +351,8 @@ impl Bsdf {
         textured.parameters()
     }
 
-    /// The GGX width of the metal in glass of which a texture makes metal in parts, before textures.
+    /// The GGX width of the metal in glass of which a texture makes metal in parts, before
+    /// textures.
     pub fn masked_alpha(&self) -> Option<f64> {
         match self {
             Self::MetallicRoughness {
@@ -426,8 +435,9 @@ impl DielectricLayer {
         (normal * self.specular_color).min(DVec3::ONE) * self.specular
     }
 
-    /// The model under these extensions. Where something passes through, the surface is a smooth dielectric: the metal's
-    /// part, the roughness and the factors of KHR_materials_specular do not count.
+    /// The model under these extensions. Where something passes through, the surface is a smooth
+    /// dielectric: the metal's part, the roughness and the factors of KHR_materials_specular do not
+    /// count.
     fn parameters(&self, base_color: DVec3, metallic: f64, alpha: f64) -> BsdfParameters {
         let dielectric = if self.metal_mask { 1.0 } else { 1.0 - metallic };
         let through = self.transmission * dielectric;

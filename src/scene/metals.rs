@@ -1,6 +1,6 @@
-//! Metals by name: complex indices of refraction, after Johnson & Christy 1972, "Optical Constants of the Noble Metals",
-//! Physical Review B 6, table I, interpolated in photon energy at 611.4, 549.1 and 464.2 nm, the dominant wavelengths of
-//! Rec. 709's primaries.
+//! Metals by name: complex indices of refraction, after Johnson & Christy 1972, "Optical Constants
+//! of the Noble Metals", Physical Review B 6, table I, interpolated in photon energy at 611.4,
+//! 549.1 and 464.2 nm, the dominant wavelengths of Rec. 709's primaries.
 
 use super::choice::choice;
 use glam::DVec3;

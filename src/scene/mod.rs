@@ -1,7 +1,7 @@
 //! The scene, in f64, as the file describes it.
 //!
-//! [`load`] reads a TOML, glTF or GLB file into a [`Scene`] and validates it; [`normalize`] moves and scales it for
-//! f32. Nothing here knows of the GPU.
+//! [`load`] reads a TOML, glTF or GLB file into a [`Scene`] and validates it; [`normalize`] moves
+//! and scales it for f32. Nothing here knows of the GPU.
 
 pub mod alias_table;
 pub mod aov;
@@ -152,9 +152,9 @@ impl Scene {
         });
     }
 
-    /// Light samples that a camera ray takes with light selection `all`: each primitive that emits and the environment have
-    /// as many as there are shadow rays, where the strategy samples them; lights without a surface, which nothing else
-    /// reaches, have one.
+    /// Light samples that a camera ray takes with light selection `all`: each primitive that emits
+    /// and the environment have as many as there are shadow rays, where the strategy samples them;
+    /// lights without a surface, which nothing else reaches, have one.
     pub fn samples_of_all_lights(&self, settings: &RenderSettings) -> u64 {
         let is_sun = |light: &&Light| matches!(light, Light::Sun(_));
         let suns = self.lights.iter().filter(is_sun).count() as u64;

@@ -1,26 +1,28 @@
 //! Moves and scales a scene for f32.
 //!
-//! On the GPU, coordinates are f32. Before they are rounded, the centre of the geometry is subtracted in f64 and
-//! everything is scaled by a power of two so that it lies in [−1, 1]: a scene far from the origin, or of
-//! any size, loses no more than one near it. Radiance does not change; the intensity of a point light grows with the
-//! square of the scale.
+//! On the GPU, coordinates are f32. Before they are rounded, the centre of the geometry is
+//! subtracted in f64 and everything is scaled by a power of two so that it lies in [−1, 1]: a scene
+//! far from the origin, or of any size, loses no more than one near it. Radiance does not change;
+//! the intensity of a point light grows with the square of the scale.
 //!
-//! A scene that is larger than the detail in view by more than [`EXTREME_RATIO`] is *extreme*: in [−1, 1] rounding would
-//! swallow that detail. Its centre is what the camera sees, and its unit the length that matters there. f32 rounds
-//! relative to the distance from the centre, so the far parts lose no more than the near ones as the camera sees them.
+//! A scene that is larger than the detail in view by more than [`EXTREME_RATIO`] is *extreme*: in
+//! [−1, 1] rounding would swallow that detail. Its centre is what the camera sees, and its unit the
+//! length that matters there. f32 rounds relative to the distance from the centre, so the far parts
+//! lose no more than the near ones as the camera sees them.
 
 use super::ellipsoid::half_extent;
 use super::view::View;
 use super::{Camera, Geometry, Lens, Projection, Scene, Shape};
 use glam::DVec3;
 
-/// Size of a scene over the smallest length that matters in view beyond which the scene is extreme. Rays leave a surface
-/// 2⁻²⁰ of its coordinates off it: at this ratio 2⁻⁸ of that length.
+/// Size of a scene over the smallest length that matters in view beyond which the scene is extreme.
+/// Rays leave a surface 2⁻²⁰ of its coordinates off it: at this ratio 2⁻⁸ of that length.
 pub const EXTREME_RATIO: f64 = 4096.0;
-/// Largest coordinate of an extreme scene, normalised space: the fourth power of an edge, the squared length of a normal that
-/// is not normalised, is finite in f32.
+/// Largest coordinate of an extreme scene, normalised space: the fourth power of an edge, the
+/// squared length of a normal that is not normalised, is finite in f32.
 const MAX_REACH: f64 = 1_073_741_824.0;
-/// Smallest length that matters in view of an extreme scene, normalised space: 2⁻⁶⁰, whose square is normal in f32.
+/// Smallest length that matters in view of an extreme scene, normalised space: 2⁻⁶⁰, whose square
+/// is normal in f32.
 const MIN_RADIUS: f64 = 1.0 / (1_u64 << 60) as f64;
 
 /// The map from world space to normalised space: `(p − center) · scale`.
@@ -30,8 +32,9 @@ pub struct Normalization {
     pub center: DVec3,
     /// A power of two.
     pub scale: f64,
-    /// Radius of what is rendered, normalised space: half the longest side of the geometry's box, above ½ and at most 1; 1
-    /// without geometry. In an extreme scene the smallest length that matters in view.
+    /// Radius of what is rendered, normalised space: half the longest side of the geometry's box,
+    /// above ½ and at most 1; 1 without geometry. In an extreme scene the smallest length that
+    /// matters in view.
     pub radius: f64,
     /// Largest coordinate of the geometry, normalised space: 1 unless the scene is extreme.
     pub reach: f64,

@@ -1,4 +1,5 @@
-//! Whether the numbers of a valid scene are still finite once it is moved, scaled and rounded to f32.
+//! Whether the numbers of a valid scene are still finite once it is moved, scaled and rounded to
+//! f32.
 
 use super::ellipsoid::PrincipalAxes;
 use super::normalize::{Normalization, bounds};
@@ -12,7 +13,8 @@ const MAX_COORDINATE: f64 = 1e75;
 const MIN_SIZE: f64 = 1e-75;
 /// Farthest from the origin, in sizes of the scene: what is left of f64's 16 digits resolves it.
 const MAX_OFFSET: f64 = 1e12;
-/// Farthest that the eye or a light may lie from the scene, in sizes of it: distances are squared in f32.
+/// Farthest that the eye or a light may lie from the scene, in sizes of it: distances are squared
+/// in f32.
 const MAX_DISTANCE: f64 = 1e18;
 /// Smallest sphere, in sizes of the scene: the square of its radius is a normal number of f32.
 const MIN_RADIUS: f64 = 1e-18;

@@ -1,7 +1,8 @@
 //! Cuts what is large beside its distance from the centre of an extreme scene.
 //!
-//! In f32 a primitive is as exact as its largest coordinate allows. A floor of 10⁸ under the camera would be off by several
-//! units there. Cut into triangles, each about as large as it is far away, it is exact as far as the camera can see.
+//! In f32 a primitive is as exact as its largest coordinate allows. A floor of 10⁸ under the camera
+//! would be off by several units there. Cut into triangles, each about as large as it is far away,
+//! it is exact as far as the camera can see.
 
 use super::normalize::Normalization;
 use super::texture::{disk_uv, rectangle_uv};
@@ -20,7 +21,8 @@ const MAX_ADDED: usize = 1 << 15;
 /// Longest edge of a triangle over its coordinates below which f64 has no digits left to cut it by.
 const RESOLUTION: f64 = 1.0 / (1_u64 << 40) as f64;
 
-/// Replaces shapes of `scene` by finer meshes of the same points, where `normalization` calls for it. Spheres stay.
+/// Replaces shapes of `scene` by finer meshes of the same points, where `normalization` calls for
+/// it. Spheres stay.
 pub fn refine(scene: &mut Scene, normalization: &Normalization) {
     let near = Near::of(normalization);
     for shape in &mut scene.shapes {
@@ -30,7 +32,8 @@ pub fn refine(scene: &mut Scene, normalization: &Normalization) {
     }
 }
 
-/// Names of the shapes of `scene` of which parts stay too coarse, as cutting them would take too many triangles.
+/// Names of the shapes of `scene` of which parts stay too coarse, as cutting them would take too
+/// many triangles.
 pub fn coarse_shapes<'a>(scene: &'a Scene, normalization: &Normalization) -> Vec<&'a str> {
     let near = Near::of(normalization);
     let is_coarse = |geometry: &Geometry| {
@@ -115,7 +118,8 @@ impl Near {
 /// A mesh that is being cut.
 struct Cut {
     mesh: Mesh,
-    /// The vertex that stands for all at the same place: neighbours are cut alike even where they share none.
+    /// The vertex that stands for all at the same place: neighbours are cut alike even where they
+    /// share none.
     place: Vec<u32>,
     /// Of a disk: itself, and where its vertices lie on it.
     disk: Option<(Disk, Vec<OnDisk>)>,
@@ -123,7 +127,8 @@ struct Cut {
 
 impl Cut {
     fn new(mut mesh: Mesh, disk: Option<Disk>) -> Self {
-        // Between them they are interpolated as unit vectors, and what comes of it is not normalised before the last.
+        // Between them they are interpolated as unit vectors, and what comes of it is not
+        // normalised before the last.
         for normal in &mut mesh.normals {
             *normal = normal.normalize_or_zero();
         }
@@ -137,7 +142,8 @@ impl Cut {
         }
     }
 
-    /// Cuts every triangle that is too coarse in four, and its neighbours as their edges call for it; whether there was any.
+    /// Cuts every triangle that is too coarse in four, and its neighbours as their edges call for
+    /// it; whether there was any.
     fn round(&mut self, near: &Near) -> bool {
         let mut marked: HashMap<[u32; 2], HashMap<[u32; 2], u32>> = HashMap::new();
         for t in &self.mesh.triangles {
@@ -240,7 +246,8 @@ fn sorted([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// The parts of a triangle whose edges have the vertices `middles` in their middle, where they are cut.
+/// The parts of a triangle whose edges have the vertices `middles` in their middle, where they are
+/// cut.
 fn cut_triangle(t: [u32; 3], middles: [Option<u32>; 3], out: &mut Vec<[u32; 3]>) {
     let [a, b, c] = t;
     match middles {
@@ -324,7 +331,8 @@ impl Disk {
     }
 }
 
-/// The point of a triangle that is nearest to the origin (Ericson 2005, "Real-Time Collision Detection", 5.1.5).
+/// The point of a triangle that is nearest to the origin (Ericson 2005, "Real-Time Collision
+/// Detection", 5.1.5).
 fn nearest_of_triangle([a, b, c]: [DVec3; 3]) -> DVec3 {
     let (u, v) = (b - a, c - a);
     let (ua, va) = (-u.dot(a), -v.dot(a));

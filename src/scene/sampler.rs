@@ -9,23 +9,25 @@ choice! {
         Independent,
         /// Pairs of dimensions on a jittered grid for every pixel.
         Stratified,
-        /// Pairs of dimensions by Sobol's sequence with Owen's scrambling, one for every pixel (Burley 2020).
+        /// Pairs of dimensions by Sobol's sequence with Owen's scrambling, one for every pixel
+        /// (Burley 2020).
         #[default]
         Sobol,
-        /// As `sobol`, with one sequence for all pixels along a Z-shaped curve, so that the errors of neighbouring pixels
-        /// differ (Ahmed & Wonka 2020).
+        /// As `sobol`, with one sequence for all pixels along a Z-shaped curve, so that the errors
+        /// of neighbouring pixels differ (Ahmed & Wonka 2020).
         BlueNoise,
     }
 }
 
 impl Sampler {
-    /// Whether samples are drawn each by itself, so that their scatter tells the error of their mean.
+    /// Whether samples are drawn each by itself, so that their scatter tells the error of their
+    /// mean.
     pub fn is_independent(self) -> bool {
         self == Self::Independent
     }
 
-    /// Pixels along the side of the squares whose errors count as independent of each other: single pixels, but under blue
-    /// noise, where neighbours share a sequence, tiles.
+    /// Pixels along the side of the squares whose errors count as independent of each other: single
+    /// pixels, but under blue noise, where neighbours share a sequence, tiles.
     pub fn independent_side(self) -> u32 {
         match self {
             Self::Independent | Self::Stratified | Self::Sobol => 1,
@@ -33,16 +35,17 @@ impl Sampler {
         }
     }
 
-    /// Numbers that the sampler's pattern is made for, for `spp` samples per pixel in two replicates: of the jittered grid
-    /// the logarithms of its columns and rows, of blue noise that of the samples of a replicate.
+    /// Numbers that the sampler's pattern is made for, for `spp` samples per pixel in two
+    /// replicates: of the jittered grid the logarithms of its columns and rows, of blue noise that
+    /// of the samples of a replicate.
     pub fn pattern(self, spp: u64) -> [u32; 2] {
         self.light_pattern(spp, 1)
     }
 
     /// The same for the light samples of a pixel, `rays` for each of its samples.
     pub fn light_pattern(self, spp: u64, rays: u32) -> [u32; 2] {
-        // Larger patterns gain little, and smaller ones can be gone through again; without a number of samples, as when
-        // time alone decides, a medium one serves.
+        // Larger patterns gain little, and smaller ones can be gone through again; without a number
+        // of samples, as when time alone decides, a medium one serves.
         let samples = if spp > MAX_PATTERN {
             32
         } else {

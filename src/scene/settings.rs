@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 choice! {
     /// How directions are chosen (DESIGN: *strategy*). All estimate the same integral.
     pub enum Strategy {
-        /// Uniformly over the hemisphere. With this and the next two, lights without a surface are sampled directly, as
-        /// nothing else reaches them.
+        /// Uniformly over the hemisphere. With this and the next two, lights without a surface are
+        /// sampled directly, as nothing else reaches them.
         UniformHemisphere,
         /// In proportion to the cosine.
         CosineHemisphere,
@@ -23,11 +23,13 @@ choice! {
         LightArea,
         /// Uniformly over the solid angle in which a chosen light is seen.
         LightSolidAngle,
-        /// Uniformly over that solid angle projected onto the surface; for spheres and disks as `light-solid-angle`.
+        /// Uniformly over that solid angle projected onto the surface; for spheres and disks as
+        /// `light-solid-angle`.
         LightProjectedSolidAngle,
         /// By lights and by the BSDF, weighted by the balance heuristic (Veach 1997, eq. 9.11).
         MisBalance,
-        /// By lights and by the BSDF, weighted by the power heuristic (Veach 1997, eq. 9.26, β = 2).
+        /// By lights and by the BSDF, weighted by the power heuristic (Veach 1997, eq. 9.26, β =
+        /// 2).
         #[default]
         MisPower,
     }
@@ -65,14 +67,16 @@ impl Strategy {
 }
 
 choice! {
-    /// How a point of a light with a surface is chosen by the strategies `mis-balance` and `mis-power`.
+    /// How a point of a light with a surface is chosen by the strategies `mis-balance` and
+    /// `mis-power`.
     pub enum LightSampling {
         /// Uniformly over its area.
         Area,
         /// Uniformly over the solid angle in which it is seen.
         #[default]
         SolidAngle,
-        /// Uniformly over that solid angle projected onto the surface; spheres and disks over their solid angle.
+        /// Uniformly over that solid angle projected onto the surface; spheres and disks over their
+        /// solid angle.
         ProjectedSolidAngle,
     }
 }
@@ -85,8 +89,8 @@ choice! {
         /// In proportion to emitted power.
         #[default]
         Power,
-        /// In proportion to an estimate of what a light may contribute to the surface, by a tree over the lights (Conty
-        /// Estevez & Kulla 2018): for many lights.
+        /// In proportion to an estimate of what a light may contribute to the surface, by a tree
+        /// over the lights (Conty Estevez & Kulla 2018): for many lights.
         Tree,
         /// None is chosen: every light gets shadow rays of its own.
         All,
@@ -96,8 +100,9 @@ choice! {
 /// Largest [`max_specular_depth`](EstimatorSettings::max_specular_depth).
 pub const MAX_SPECULAR_DEPTH: u32 = 64;
 
-/// Defines the table `[render]` once: its parts as structs, the flags that override the first of them, and the table as files
-/// spell it, flat. The first paragraph of a field's comment is also the help of its flag.
+/// Defines the table `[render]` once: its parts as structs, the flags that override the first of
+/// them, and the table as files spell it, flat. The first paragraph of a field's comment is also
+/// the help of its flag.
 macro_rules! render_table {
     (
         $(#[$of_estimator:meta])* struct $Estimator:ident, flags $Flags:ident {
@@ -201,10 +206,12 @@ render_table! {
         /// The other strategies say it themselves.
         #[flag(value_enum)]
         light_sampling: LightSampling = LightSampling::default(),
-        /// Whether the MIS strategies sample of an environment map only what is brighter than its mean
+        /// Whether the MIS strategies sample of an environment map only what is brighter than its
+        /// mean
         ///
-        /// The rest is left to BSDF sampling (Karlík et al. 2019). Less noise under a sun in a broad sky; more where the sun is
-        /// hidden and only the sky shines. The other strategies do not depend on it.
+        /// The rest is left to BSDF sampling (Karlík et al. 2019). Less noise under a sun in a
+        /// broad sky; more where the sun is hidden and only the sky shines. The other strategies do
+        /// not depend on it.
         #[flag(value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
         mis_compensation: bool = false,
         /// Shadow rays per camera ray, 1 to 1024; with light selection `all` per light
@@ -216,13 +223,15 @@ render_table! {
         shadow_pattern: ShadowPattern = ShadowPattern::default(),
         /// Whether light counts that rough metals reflect after it has met several of their facets
         ///
-        /// By Kulla & Conty (2017). Without, as in glTF's model and in most renderers' GGX, a white metal of width 1 loses up to
-        /// 69 % of the light.
+        /// By Kulla & Conty (2017). Without, as in glTF's model and in most renderers' GGX, a white
+        /// metal of width 1 loses up to 69 % of the light.
         #[flag(value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
         energy_compensation: bool = false,
-        /// Mirrors and panes of glass, one behind the other, in which direct lighting is seen, 0 to 64
+        /// Mirrors and panes of glass, one behind the other, in which direct lighting is seen, 0 to
+        /// 64
         ///
-        /// What lies deeper is black. A closed body of glass is two of them, and each reflection in its inside one more.
+        /// What lies deeper is black. A closed body of glass is two of them, and each reflection in
+        /// its inside one more.
         #[schemars(range(min = 0, max = 64))]
         #[flag(value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_SPECULAR_DEPTH)))]
         max_specular_depth: u32 = 8,
@@ -231,7 +240,8 @@ render_table! {
         sampler: Sampler = Sampler::default(),
         /// Whether pixels take more samples where the error is large and fewer where it is small
         ///
-        /// [`StopSettings::spp`] on average. The first 16 are the same for all and say where that is.
+        /// [`StopSettings::spp`] on average. The first 16 are the same for all and say where that
+        /// is.
         #[flag(value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
         adaptive: bool = false,
     }
@@ -240,7 +250,8 @@ render_table! {
     struct StopSettings {
         /// Samples per pixel, at least 1.
         spp: u64 = 64,
-        /// Seconds of rendering after which it ends, even with fewer samples; none: `spp` alone decides.
+        /// Seconds of rendering after which it ends, even with fewer samples; none: `spp` alone
+        /// decides.
         time: Option<f64> = None,
         /// Relative error of the image, √relMSE, at which it ends; none: other settings decide.
         error: Option<f64> = None,

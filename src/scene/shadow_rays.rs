@@ -6,8 +6,8 @@ use crate::lattice;
 /// Most shadow rays per camera ray, and with light selection `all` per light.
 pub const MAX_SHADOW_RAYS: u32 = 1024;
 
-/// Most light samples that a camera ray takes in all: with light selection `all` the lights' shadow rays together. So many
-/// fit half a word of a sample's record.
+/// Most light samples that a camera ray takes in all: with light selection `all` the lights' shadow
+/// rays together. So many fit half a word of a sample's record.
 pub const MAX_LIGHT_SAMPLES: u64 = 0xffff;
 
 choice! {
@@ -25,8 +25,8 @@ choice! {
     }
 }
 
-/// A grid over the unit square with a cell for each of a camera ray's shadow rays, and the lattice of what they choose
-/// lights by.
+/// A grid over the unit square with a cell for each of a camera ray's shadow rays, and the lattice
+/// of what they choose lights by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ShadowGrid {
     /// Shadow rays, at least 1.
@@ -35,9 +35,10 @@ pub struct ShadowGrid {
     pub columns: u32,
     /// Rows of the grid; columns times rows are all rays.
     pub rows: u32,
-    /// What a ray's words for the choices of light and of environment texel are ahead of the ray's before, in fractions of
-    /// 2³². All rays together have one word in each of `rays` equal parts, and those of a light lie all over the grid:
-    /// a rank-1 lattice over (ray, light, texel) with the generator (1, k, k²), k near the golden section.
+    /// What a ray's words for the choices of light and of environment texel are ahead of the ray's
+    /// before, in fractions of 2³². All rays together have one word in each of `rays` equal parts,
+    /// and those of a light lie all over the grid: a rank-1 lattice over (ray, light, texel) with
+    /// the generator (1, k, k²), k near the golden section.
     pub steps: [u32; 2],
 }
 
@@ -78,8 +79,8 @@ mod tests {
         }
     }
 
-    /// Each of n equal parts of the words holds one ray, wherever the first ray's word lies; and the rays that choose a half
-    /// of the lights have texels from all over.
+    /// Each of n equal parts of the words holds one ray, wherever the first ray's word lies; and
+    /// the rays that choose a half of the lights have texels from all over.
     #[test]
     fn every_part_of_the_choices_holds_one_ray() {
         for rays in 1..=MAX_SHADOW_RAYS {

@@ -102,17 +102,19 @@ pub struct Mesh {
     pub positions: Vec<DVec3>,
     /// Three vertex indices per triangle, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
-    /// Shading normals, one per position, or none: then the triangles are flat. Not necessarily of unit length.
+    /// Shading normals, one per position, or none: then the triangles are flat. Not necessarily of
+    /// unit length.
     pub normals: Vec<DVec3>,
     /// Texture coordinates, one per position, or none; (0, 0) is the upper left corner of an image.
     pub uvs: Vec<DVec2>,
     /// Further texture coordinates, likewise, for textures that are read with them.
     pub second_uvs: Vec<DVec2>,
-    /// Vertex colours, one per position, or none: linear factors in [0, 1] on the reflectance or base colour (red, green,
-    /// blue) and on the opacity (alpha). Interpolated over triangles.
+    /// Vertex colours, one per position, or none: linear factors in [0, 1] on the reflectance or
+    /// base colour (red, green, blue) and on the opacity (alpha). Interpolated over triangles.
     pub colors: Vec<Vec4>,
-    /// Directions in which u of a normal map grows, one per position, or none: then the texture coordinates give them. The
-    /// fourth number, 1 or −1, is that of n × t along which v falls (glTF 2.0, section 3.7.2.1).
+    /// Directions in which u of a normal map grows, one per position, or none: then the texture
+    /// coordinates give them. The fourth number, 1 or −1, is that of n × t along which v falls
+    /// (glTF 2.0, section 3.7.2.1).
     pub tangents: Vec<DVec4>,
 }
 

@@ -98,8 +98,8 @@ pub enum Wrap {
 pub struct TextureUse {
     /// The texture.
     pub texture: TextureId,
-    /// From a surface's texture coordinates, (0, 0) the upper left corner of the image and (1, 1) the lower right one, to
-    /// those at which the image is read (KHR_texture_transform).
+    /// From a surface's texture coordinates, (0, 0) the upper left corner of the image and (1, 1)
+    /// the lower right one, to those at which the image is read (KHR_texture_transform).
     pub transform: DAffine2,
     /// Along u and v.
     pub wrap: [Wrap; 2],
@@ -182,7 +182,8 @@ pub fn tangent_normal(texel: DVec4, scale: f64) -> DVec3 {
     DVec3::new(n.x * scale, n.y * scale, n.z)
 }
 
-/// Texture coordinates of a rectangle's point `st`: its `u` runs along the image's rows, its `v` up.
+/// Texture coordinates of a rectangle's point `st`: its `u` runs along the image's rows, its `v`
+/// up.
 pub fn rectangle_uv(st: DVec2) -> DVec2 {
     DVec2::new(st.x, 1.0 - st.y)
 }

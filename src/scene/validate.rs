@@ -1,6 +1,7 @@
 //! Checks what types cannot say.
 //!
-//! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind may rely on it.
+//! Loaded and programmatic scenes pass through here before anything is rendered; what comes behind
+//! may rely on it.
 
 mod materials;
 mod view;
@@ -17,7 +18,8 @@ use super::{
 use crate::error::{Error, InputError};
 use glam::{DMat3, DVec3};
 
-/// Checks a whole scene: every number in its domain, every index in range, no geometry without extent.
+/// Checks a whole scene: every number in its domain, every index in range, no geometry without
+/// extent.
 ///
 /// # Errors
 /// [`Error::Input`] with [`Scene::source`] as the file and a field as the TOML format names it.
@@ -70,8 +72,8 @@ pub fn settings(scene: &Scene, settings: &RenderSettings) -> Result<(), InputErr
     check.settings(scene, settings)
 }
 
-/// The largest ratio of an ellipsoid's half axes: the square of their product, in units of the longest, is a normal number
-/// of f32.
+/// The largest ratio of an ellipsoid's half axes: the square of their product, in units of the
+/// longest, is a normal number of f32.
 const MAX_ASPECT: f64 = 1e9;
 
 /// Makes errors about one file.

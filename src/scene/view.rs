@@ -1,7 +1,8 @@
 //! What the camera looks at: where, and how large what matters there is.
 //!
-//! A few probe rays over the image tell. What a probe meets at the distance t matters at the scale of t, since a pixel of
-//! it is a fixed part of t; through a narrow field of view at that of the field, as long as there is geometry that fine.
+//! A few probe rays over the image tell. What a probe meets at the distance t matters at the scale
+//! of t, since a pixel of it is a fixed part of t; through a narrow field of view at that of the
+//! field, as long as there is geometry that fine.
 
 use super::ellipsoid::half_extent;
 use super::normalize::bounds;
@@ -12,7 +13,8 @@ use std::ops::Range;
 
 /// Probes per row and column of the image.
 const PROBES: usize = 5;
-/// Part of the distance below which the field of view is narrow: what it shows then is the centre, not the eye.
+/// Part of the distance below which the field of view is narrow: what it shows then is the centre,
+/// not the eye.
 const NARROW: f64 = 1.0 / 1024.0;
 
 /// A point, and the smallest length that matters around it; world space.
@@ -37,7 +39,8 @@ struct Met {
 }
 
 impl View {
-    /// The view of `scene` through `camera`, if its scale is below `limit`. The scale is that of the probe with the smallest one.
+    /// The view of `scene` through `camera`, if its scale is below `limit`. The scale is that of
+    /// the probe with the smallest one.
     pub(super) fn below(scene: &Scene, camera: &Camera, limit: f64) -> Option<Self> {
         let boxes: Vec<Option<Box3>> = scene.shapes.iter().map(|s| bounds([s])).collect();
         let field = Field::of(camera, scene.film);
@@ -133,8 +136,8 @@ impl<'a> Field<'a> {
         (0..PROBES * PROBES).map(probe).collect()
     }
 
-    /// Rows and columns of the probes that may meet a triangle: those in its box on the image, all where it reaches behind
-    /// the eye.
+    /// Rows and columns of the probes that may meet a triangle: those in its box on the image, all
+    /// where it reaches behind the eye.
     fn probes_near(&self, triangle: &[DVec3; 3]) -> [Range<usize>; 2] {
         let Camera {
             eye,
@@ -289,7 +292,8 @@ fn meet_sphere(probe: &Probe, center: DVec3, radius: f64) -> Option<f64> {
     hits.into_iter().find(|&t| t > 0.0)
 }
 
-/// Distance to the image of the unit sphere under `axes`, moved to `center`: met in the sphere's own space.
+/// Distance to the image of the unit sphere under `axes`, moved to `center`: met in the sphere's
+/// own space.
 fn meet_ellipsoid(probe: &Probe, center: DVec3, axes: DMat3) -> Option<f64> {
     let to_sphere = axes.inverse();
     let direction = to_sphere * probe.direction;

@@ -8,8 +8,8 @@ pub const MIN_EXPECTED: f64 = 5.0;
 /// How the number of samples came about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Totals {
-    /// It was fixed, and the expected counts share it out: their sum equals that of the observed counts. One degree of
-    /// freedom is lost.
+    /// It was fixed, and the expected counts share it out: their sum equals that of the observed
+    /// counts. One degree of freedom is lost.
     Tied,
     /// Every cell's count is Poisson distributed by itself. No degree of freedom is lost.
     Free,
@@ -18,7 +18,8 @@ pub enum Totals {
 /// The result of a χ² test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chi2 {
-    /// Σ (observed − expected)²/expected over the cells after pooling; infinite after a hit in an impossible cell.
+    /// Σ (observed − expected)²/expected over the cells after pooling; infinite after a hit in an
+    /// impossible cell.
     pub statistic: f64,
     /// Cells after pooling, less one when the totals are tied.
     pub degrees_of_freedom: usize,
@@ -45,8 +46,8 @@ pub enum Chi2Error {
         /// Its expected count.
         expected: f64,
     },
-    /// The totals should be tied and are not: a density that does not integrate to one, or samples that fell beside
-    /// all cells.
+    /// The totals should be tied and are not: a density that does not integrate to one, or samples
+    /// that fell beside all cells.
     #[error("{observed} counts in all, {expected} expected: tied totals are equal")]
     Totals {
         /// Sum of the observed counts.
@@ -59,19 +60,21 @@ pub enum Chi2Error {
     NothingToTest,
 }
 
-/// Relative difference up to which tied totals count as equal; expected counts are integrals of a density.
+/// Relative difference up to which tied totals count as equal; expected counts are integrals of a
+/// density.
 const TOTALS_TOLERANCE: f64 = 1e-6;
 
 /// Tests whether `observed` counts follow the `expected` ones.
 ///
-/// Cells that expect fewer than [`MIN_EXPECTED`] are pooled, the smallest first, until a pool reaches it; what is left
-/// at the end joins the last pool, or else the smallest cell. The pools depend on the expected counts alone (and on the
-/// index where these are equal), never on what was observed. A hit in a cell that expects zero has p-value 0.
+/// Cells that expect fewer than [`MIN_EXPECTED`] are pooled, the smallest first, until a pool
+/// reaches it; what is left at the end joins the last pool, or else the smallest cell. The pools
+/// depend on the expected counts alone (and on the index where these are equal), never on what was
+/// observed. A hit in a cell that expects zero has p-value 0.
 ///
 /// # Errors
 ///
-/// When the cells do not match, an expected count is not a number of counts, tied totals differ by more than 10⁻⁶, or
-/// no degree of freedom is left.
+/// When the cells do not match, an expected count is not a number of counts, tied totals differ by
+/// more than 10⁻⁶, or no degree of freedom is left.
 pub fn chi2_test(observed: &[u64], expected: &[f64], totals: Totals) -> Result<Chi2, Chi2Error> {
     validate(observed, expected, totals)?;
     let mut cells: Vec<(f64, f64)> = Vec::new();
@@ -183,12 +186,14 @@ mod tests {
 
     #[test]
     fn p_values_are_those_of_the_tables() {
-        // χ²(0.95; 1) = 3.841458820694124, χ²(0.999; 10) = 29.58829844507442 (Abramowitz & Stegun, table 26.8).
+        // χ²(0.95; 1) = 3.841458820694124, χ²(0.999; 10) = 29.58829844507442 (Abramowitz & Stegun,
+        // table 26.8).
         let offset = (3.841_458_820_694_124_f64 * 1e6 / 2.0).sqrt();
         let observed = [(1e6 + offset).round() as u64, (1e6 - offset).round() as u64];
         let result = chi2_test(&observed, &[1e6, 1e6], Totals::Tied).unwrap();
         assert_eq!(result.degrees_of_freedom, 1);
-        // The counts are rounded by up to ½ of 1386, so the statistic by 0.0028; the density there is 0.030.
+        // The counts are rounded by up to ½ of 1386, so the statistic by 0.0028; the density there
+        // is 0.030.
         assert!((result.p_value - 0.05).abs() < 1e-4);
         assert!((gamma_ur(5.0, 29.588_298_445_074_42 / 2.0) - 1e-3).abs() < 1e-12);
     }
@@ -208,8 +213,9 @@ mod tests {
 
     #[test]
     fn a_two_percent_effect_is_rejected() {
-        // One of 8 cells has 2 % too much: non-centrality n·(0.02²/8 + 7·(0.02/7)²/8) = 57 n/10⁶ = 228 for 4·10⁶
-        // samples, far above 1e-6's critical value of 40 plus its own spread √(2(7 + 2·228)) = 30.
+        // One of 8 cells has 2 % too much: non-centrality n·(0.02²/8 + 7·(0.02/7)²/8) = 57 n/10⁶ =
+        // 228 for 4·10⁶ samples, far above 1e-6's critical value of 40 plus its own spread √(2(7 +
+        // 2·228)) = 30.
         let n = 4_000_000_u32;
         let flat = [0.125; 8];
         let mut bent = [0.125 * (1.0 - 0.02 / 7.0); 8];

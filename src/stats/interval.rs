@@ -6,8 +6,8 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 /// The two-sided 95 % quantile of the normal distribution.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
 
-/// The two-sided 95 % quantile of Student's distribution; that of the normal one where the degrees of freedom are many,
-/// infinite where there are none.
+/// The two-sided 95 % quantile of Student's distribution; that of the normal one where the degrees
+/// of freedom are many, infinite where there are none.
 pub fn student_95(degrees_of_freedom: f64) -> f64 {
     student(degrees_of_freedom, 0.95)
 }
@@ -44,8 +44,9 @@ impl Interval {
         }
     }
 
-    /// A positive value with a standard error's `half`, its ends at the same distance as logarithms: what is never negative
-    /// and skewed to large values does not end below zero, and its upper end is that of `value ± half`.
+    /// A positive value with a standard error's `half`, its ends at the same distance as
+    /// logarithms: what is never negative and skewed to large values does not end below zero, and
+    /// its upper end is that of `value ± half`.
     pub fn positive(value: f64, half: f64) -> Self {
         if value <= 0.0 {
             return Self::around(value, half);
@@ -58,7 +59,8 @@ impl Interval {
         }
     }
 
-    /// Less another value, which is known to `half`; the distances of the ends are added in quadrature.
+    /// Less another value, which is known to `half`; the distances of the ends are added in
+    /// quadrature.
     pub fn less(&self, other: f64, half: f64) -> Self {
         let value = self.value - other;
         Self {
@@ -97,9 +99,9 @@ impl Interval {
         (self.high - self.value) / self.value
     }
 
-    /// 1/(a·b) of two independent positive values. The distances of the ends are added in quadrature, as logarithms: each
-    /// side of the result comes from the opposite sides of `a` and `b`. Where one of these reaches zero, nothing bounds the
-    /// result from above.
+    /// 1/(a·b) of two independent positive values. The distances of the ends are added in
+    /// quadrature, as logarithms: each side of the result comes from the opposite sides of `a` and
+    /// `b`. Where one of these reaches zero, nothing bounds the result from above.
     pub fn inverse_product(a: &Self, b: &Self) -> Self {
         let down = (a.high / a.value).ln().hypot((b.high / b.value).ln());
         let up = (a.value / a.low).ln().hypot((b.value / b.low).ln());

@@ -10,11 +10,13 @@ use std::f64::consts::SQRT_2;
 pub struct Kolmogorov {
     /// Largest distance between the scores' distribution function and the normal one.
     pub distance: f64,
-    /// Probability of a distance at least as large when the scores are independent and standard normal.
+    /// Probability of a distance at least as large when the scores are independent and standard
+    /// normal.
     pub p_value: f64,
 }
 
-/// Tests whether independent `scores` are standard normal. `None` below 8 scores, where the p-value would be off.
+/// Tests whether independent `scores` are standard normal. `None` below 8 scores, where the p-value
+/// would be off.
 ///
 /// A score that is not a number gives distance 1 and p-value 0.
 pub fn normality_test(scores: &[f64]) -> Option<Kolmogorov> {
@@ -83,8 +85,8 @@ mod tests {
 
     #[test]
     fn wrong_scales_and_centres_are_rejected() {
-        // A spread of 1.05 moves the distribution by 0.012, a centre of 0.02 by 0.008, at most; for 10⁶ scores p is
-        // about 2·exp(−2·10⁶·0.008²) = 1e-55.
+        // A spread of 1.05 moves the distribution by 0.012, a centre of 0.02 by 0.008, at most; for
+        // 10⁶ scores p is about 2·exp(−2·10⁶·0.008²) = 1e-55.
         let mut stream = Stream::new(8);
         let scores: Vec<f64> = (0..1_000_000).map(|_| stream.normal()).collect();
         let p = |scale: f64, centre: f64| {

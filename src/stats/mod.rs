@@ -1,8 +1,9 @@
 //! Tests of hypotheses that decide whether samples agree with what they should be.
 //!
-//! Every test returns a p-value: the probability, when the samples are right, of a result at least as far off. A suite
-//! rejects when a p-value is below the level that a [`Family`](sidak::Family) gives each of its tests, so that the whole
-//! suite raises a false alarm with probability [`FAMILY_LEVEL`](sidak::FAMILY_LEVEL) only.
+//! Every test returns a p-value: the probability, when the samples are right, of a result at least
+//! as far off. A suite rejects when a p-value is below the level that a [`Family`](sidak::Family)
+//! gives each of its tests, so that the whole suite raises a false alarm with probability
+//! [`FAMILY_LEVEL`](sidak::FAMILY_LEVEL) only.
 //!
 //! | question | test |
 //! |---|---|

@@ -28,8 +28,9 @@ impl PairSum {
         self.squares += other.squares;
     }
 
-    /// The test of [`symmetric_test`](super::symmetric::symmetric_test), where the mean difference may be off by
-    /// `allowance` for another reason, such as rounding. A sum that is not finite gives p-value 0.
+    /// The test of [`symmetric_test`](super::symmetric::symmetric_test), where the mean difference
+    /// may be off by `allowance` for another reason, such as rounding. A sum that is not finite
+    /// gives p-value 0.
     pub fn test(&self, allowance: f64) -> Symmetric {
         let excess = (self.sum.abs() - self.pairs as f64 * allowance).max(0.0);
         let t = if self.squares > 0.0 {

@@ -6,8 +6,8 @@ use std::f64::consts::SQRT_2;
 /// Probability that a whole family of tests raises any false alarm.
 pub const FAMILY_LEVEL: f64 = 1e-4;
 
-/// Tests of which none may fail. The levels hold exactly when they are independent, and from above for two-sided normal
-/// tests however dependent (Šidák 1967).
+/// Tests of which none may fail. The levels hold exactly when they are independent, and from above
+/// for two-sided normal tests however dependent (Šidák 1967).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Family {
     /// Probability that any of the tests rejects although all null hypotheses hold; in (0, 1).
@@ -31,7 +31,8 @@ impl Family {
         -((-self.level).ln_1p() / self.tests as f64).exp_m1()
     }
 
-    /// Whether a test of the family with this p-value rejects. Something that is not a number rejects.
+    /// Whether a test of the family with this p-value rejects. Something that is not a number
+    /// rejects.
     pub fn rejects(&self, p_value: f64) -> bool {
         p_value.is_nan() || p_value < self.test_level()
     }
@@ -82,7 +83,8 @@ mod tests {
 
     #[test]
     fn a_family_rejects_at_its_level() {
-        // 5 % of 20,000: 1000 with standard deviation 30.8, at the level of `assert_rejects_at_its_rate`.
+        // 5 % of 20,000: 1000 with standard deviation 30.8, at the level of
+        // `assert_rejects_at_its_rate`.
         let family = Family {
             level: 0.05,
             tests: 20,

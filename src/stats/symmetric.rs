@@ -1,14 +1,16 @@
 //! Test of paired differences that needs no variance and no light tails.
 //!
-//! When two samples have the same distribution and size, their paired differences d_i are independent and symmetric
-//! about zero. Given all |d_i|, the signs are then fair coins, and the self-normalised sum
+//! When two samples have the same distribution and size, their paired differences d_i are
+//! independent and symmetric about zero. Given all |d_i|, the signs are then fair coins, and the
+//! self-normalised sum
 //!
 //! ```text
 //!     t = Σ d_i / √(Σ d_i²),      P(|t| ≥ x) ≤ 2 exp(−x²/2)   for every such distribution
 //! ```
 //!
-//! (Hoeffding 1963, theorem 2, applied to the signs; Efron 1969). A rare sample of any brightness can thus raise no
-//! false alarm. The price is power: the bound is above the normal distribution's tail by a factor x√(π/2).
+//! (Hoeffding 1963, theorem 2, applied to the signs; Efron 1969). A rare sample of any brightness
+//! can thus raise no false alarm. The price is power: the bound is above the normal distribution's
+//! tail by a factor x√(π/2).
 
 /// The result of the test.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,7 +25,8 @@ pub struct Symmetric {
 
 /// Tests whether differences are symmetric about zero.
 ///
-/// A difference that is not finite gives p-value 0. Zero differences count as pairs, but change nothing.
+/// A difference that is not finite gives p-value 0. Zero differences count as pairs, but change
+/// nothing.
 pub fn symmetric_test(differences: &[f64]) -> Symmetric {
     let pairs = differences.len();
     let largest = differences.iter().fold(0.0_f64, |m, d| m.max(d.abs()));
@@ -52,8 +55,8 @@ pub fn symmetric_test(differences: &[f64]) -> Symmetric {
     }
 }
 
-/// Fewest pairs with which [`symmetric_test`] can have a p-value below `level`, in (0, 1): because |t| ≤ √n, the p-value
-/// is at least 2·exp(−n/2).
+/// Fewest pairs with which [`symmetric_test`] can have a p-value below `level`, in (0, 1): because |t|
+/// ≤ √n, the p-value is at least 2·exp(−n/2).
 pub fn minimum_pairs(level: f64) -> usize {
     debug_assert!(level > 0.0 && level < 1.0);
     (2.0 * (2.0 / level).ln()).floor() as usize + 1
@@ -77,7 +80,8 @@ mod tests {
             .count() as f64
     }
 
-    /// Largest deviation of the number of rejections from its mean, at the level of `assert_rejects_at_its_rate`.
+    /// Largest deviation of the number of rejections from its mean, at the level of
+    /// `assert_rejects_at_its_rate`.
     fn bound(rate: f64) -> f64 {
         Family::new(10).z_bound() * (f64::from(EXPERIMENTS) * rate * (1.0 - rate)).sqrt()
     }
@@ -94,8 +98,8 @@ mod tests {
 
     #[test]
     fn it_rejects_normal_differences_at_their_own_rate() {
-        // p < 10 % is t² > 2 ln 20, and t²/n of n normal differences is Beta(½, (n − 1)/2): it is a squared cosine of
-        // the angle between a random and a fixed direction.
+        // p < 10 % is t² > 2 ln 20, and t²/n of n normal differences is Beta(½, (n − 1)/2): it is a
+        // squared cosine of the angle between a random and a fixed direction.
         let rate = beta_reg(31.5, 0.5, 1.0 - 2.0 * 20_f64.ln() / 64.0);
         let rejected = rejections(0.1, Stream::normal);
         let mean = f64::from(EXPERIMENTS) * rate;
@@ -104,7 +108,8 @@ mod tests {
 
     #[test]
     fn a_two_percent_effect_is_rejected() {
-        // Differences of uniform numbers with means 0.5 and 0.51: √n·0.01/√(1/6) = 11 for 200,000 pairs; p = 1e-26.
+        // Differences of uniform numbers with means 0.5 and 0.51: √n·0.01/√(1/6) = 11 for 200,000
+        // pairs; p = 1e-26.
         let mut stream = Stream::new(6);
         let mut draw = |scale: f64| -> Vec<f64> {
             (0..200_000)

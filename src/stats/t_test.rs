@@ -1,7 +1,8 @@
 //! Student's t-test for means whose variance is estimated from the samples.
 //!
-//! Exact for normal samples. For others the distribution of t approaches Student's as the number of samples grows, the
-//! slower the heavier the tails are; where these are heavy use [`symmetric`](super::symmetric).
+//! Exact for normal samples. For others the distribution of t approaches Student's as the number of
+//! samples grows, the slower the heavier the tails are; where these are heavy use
+//! [`symmetric`](super::symmetric).
 
 use super::moments::Moments;
 use super::two_sided_normal;
@@ -10,7 +11,8 @@ use statrs::function::beta::beta_reg;
 /// The result of a t-test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TTest {
-    /// The difference in its estimated standard deviations; infinite when that is zero and the difference is not.
+    /// The difference in its estimated standard deviations; infinite when that is zero and the
+    /// difference is not.
     pub t: f64,
     /// Degrees of freedom; Welch's are not a whole number.
     pub degrees_of_freedom: f64,
@@ -44,8 +46,9 @@ pub fn one_sample(samples: &Moments, expected: f64) -> Option<TTest> {
     ))
 }
 
-/// Tests, on both sides, whether two independent samples have the same mean; their variances may differ (Welch 1947,
-/// degrees of freedom after Satterthwaite 1946). `None` below two samples in either.
+/// Tests, on both sides, whether two independent samples have the same mean; their variances may
+/// differ (Welch 1947, degrees of freedom after Satterthwaite 1946). `None` below two samples in
+/// either.
 pub fn welch(a: &Moments, b: &Moments) -> Option<TTest> {
     let (va, vb) = (a.variance_of_mean()?, b.variance_of_mean()?);
     let variance = va + vb;
@@ -59,10 +62,12 @@ pub fn welch(a: &Moments, b: &Moments) -> Option<TTest> {
     Some(TTest::new(a.mean - b.mean, variance, freedom))
 }
 
-/// Degrees of freedom above which an expansion replaces the continued fraction, which then converges too slowly.
+/// Degrees of freedom above which an expansion replaces the continued fraction, which then
+/// converges too slowly.
 const EXPANSION_FROM: f64 = 500.0;
 
-/// P(|T| ≥ |t|) for T of Student's distribution with ν degrees of freedom; 0 when `t` is not a number.
+/// P(|T| ≥ |t|) for T of Student's distribution with ν degrees of freedom; 0 when `t` is not a
+/// number.
 fn two_sided_student(t: f64, nu: f64) -> f64 {
     if t.is_nan() {
         return 0.0;
@@ -75,7 +80,8 @@ fn two_sided_student(t: f64, nu: f64) -> f64 {
         // I_x(ν/2, 1/2) with x = ν/(ν + t²) (Abramowitz & Stegun 26.7.1).
         return beta_reg(nu / 2.0, 0.5, 1.0 / (1.0 + ratio));
     }
-    // Hill 1970, algorithm 395: the normal deviate of the same probability, in powers of 1/(48(ν − ½)²).
+    // Hill 1970, algorithm 395: the normal deviate of the same probability, in powers of 1/(48(ν −
+    // ½)²).
     let a = nu - 0.5;
     let b = 48.0 * a * a;
     let y = a * ratio.ln_1p();
@@ -138,7 +144,8 @@ mod tests {
 
     #[test]
     fn a_two_percent_effect_is_rejected() {
-        // 2 % of uniform numbers' mean are 35 standard deviations of a million's mean, 24 of a difference's.
+        // 2 % of uniform numbers' mean are 35 standard deviations of a million's mean, 24 of a
+        // difference's.
         let mut stream = Stream::new(4);
         let mut draw =
             |scale: f64| -> Moments { (0..1_000_000).map(|_| scale * stream.uniform()).collect() };

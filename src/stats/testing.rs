@@ -1,4 +1,5 @@
-//! Random numbers for the tests of the tests: counters through a hash, so that every run draws the same.
+//! Random numbers for the tests of the tests: counters through a hash, so that every run draws the
+//! same.
 
 use super::sidak::Family;
 use std::f64::consts::TAU;
@@ -35,11 +36,13 @@ impl Stream {
 /// Experiments under the null hypothesis that a test of the rate is made of.
 pub const EXPERIMENTS: u32 = 20_000;
 
-/// Asserts that `p_value`, fed with experiments in which the null hypothesis holds, is below 1 % in 1 % of them.
+/// Asserts that `p_value`, fed with experiments in which the null hypothesis holds, is below 1 % in
+/// 1 % of them.
 ///
-/// The number of rejections is binomial with mean 200 and standard deviation √(20,000·0.01·0.99) = 14.07. Its normal
-/// bound at the family's level over the crate's ten such tests is z = 4.42, that is 62. `excess` is what the p-value's
-/// own approximation may add to the rate (Cochran 1952 for χ²), in rejections.
+/// The number of rejections is binomial with mean 200 and standard deviation √(20,000·0.01·0.99) =
+/// 14.07. Its normal bound at the family's level over the crate's ten such tests is z = 4.42, that
+/// is 62. `excess` is what the p-value's own approximation may add to the rate (Cochran 1952 for
+/// χ²), in rejections.
 pub fn assert_rejects_at_its_rate(excess: f64, mut p_value: impl FnMut(&mut Stream) -> f64) {
     let mut stream = Stream::new(1);
     let rejected = (0..EXPERIMENTS)

@@ -5,8 +5,8 @@ use super::two_sided_normal;
 /// The result of a z-test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ZTest {
-    /// Excess of the difference over the allowance in standard deviations of the mean, with the difference's sign;
-    /// infinite when the variance is zero and there is an excess.
+    /// Excess of the difference over the allowance in standard deviations of the mean, with the
+    /// difference's sign; infinite when the variance is zero and there is an excess.
     pub z: f64,
     /// Probability of a |z| at least as large when the mean is right.
     pub p_value: f64,
@@ -14,10 +14,10 @@ pub struct ZTest {
 
 /// Tests, on both sides, whether `mean` estimates `expected`.
 ///
-/// `variance_of_mean` is the known variance of one sample divided by their number: an estimated one hides rare bright
-/// samples. `allowance` is the absolute error that the rounding of single precision may add; the difference is reduced
-/// by it first, at most to zero. Without variance any excess has p-value 0. A difference that is not a number has
-/// p-value 0 as well.
+/// `variance_of_mean` is the known variance of one sample divided by their number: an estimated one
+/// hides rare bright samples. `allowance` is the absolute error that the rounding of single
+/// precision may add; the difference is reduced by it first, at most to zero. Without variance any
+/// excess has p-value 0. A difference that is not a number has p-value 0 as well.
 pub fn z_test(mean: f64, expected: f64, variance_of_mean: f64, allowance: f64) -> ZTest {
     debug_assert!(variance_of_mean >= 0.0 && allowance >= 0.0);
     let difference = mean - expected;
@@ -63,8 +63,8 @@ mod tests {
 
     #[test]
     fn it_rejects_at_its_rate() {
-        // The mean of 50 uniform numbers has excess kurtosis κ = −1.2/50. Edgeworth's expansion moves the tail by
-        // 2φ(z)(z³ − 3z)κ/24 = −2.7e-4 at z = 2.576, which is 5.4 of 20,000.
+        // The mean of 50 uniform numbers has excess kurtosis κ = −1.2/50. Edgeworth's expansion
+        // moves the tail by 2φ(z)(z³ − 3z)κ/24 = −2.7e-4 at z = 2.576, which is 5.4 of 20,000.
         assert_rejects_at_its_rate(6.0, |stream| {
             let mean: Moments = (0..50).map(|_| stream.uniform()).collect();
             z_test(mean.mean, 0.5, 1.0 / 12.0 / 50.0, 0.0).p_value
@@ -73,7 +73,8 @@ mod tests {
 
     #[test]
     fn a_two_percent_effect_is_rejected() {
-        // Uniform numbers: relative standard deviation 0.577, so 2 % are 35 standard deviations of a million's mean.
+        // Uniform numbers: relative standard deviation 0.577, so 2 % are 35 standard deviations of
+        // a million's mean.
         let mut stream = Stream::new(3);
         let mean: Moments = (0..1_000_000).map(|_| stream.uniform()).collect();
         let variance = 1.0 / 12.0 / 1e6;

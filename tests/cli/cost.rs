@@ -92,7 +92,8 @@ fn check_facts(facts: &Value) {
             assert!(point["replicates"].as_u64().unwrap() >= 2);
             for key in ["mse", "rel_mse", "efficiency", "seconds"] {
                 let of = |end: &str| point[key][end].as_f64();
-                // Infinite values are `null`; less than nothing is left of some that the reference is subtracted from.
+                // Infinite values are `null`; less than nothing is left of some that the reference
+                // is subtracted from.
                 let value = of("value").map_or(f64::INFINITY, |v| v.max(0.0));
                 assert!(of("low").unwrap() <= value, "{key} {point}");
             }
@@ -122,8 +123,8 @@ fn check_table(csv: &str, scene: &Value) {
     assert!(lines.iter().all(|l| l.split(',').count() == columns));
 }
 
-/// Numbers of shadow rays, patterns and `all` are compared; names tell what differs, and what is biased; what comes to the
-/// same is measured once.
+/// Numbers of shadow rays, patterns and `all` are compared; names tell what differs, and what is
+/// biased; what comes to the same is measured once.
 #[test]
 fn shadow_rays_and_their_patterns_are_compared() {
     let folder = tempfile::tempdir().unwrap();

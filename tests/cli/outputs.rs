@@ -1,4 +1,5 @@
-//! Outputs: what is refused before rendering, what is written however it is named, and inputs that stay as they are.
+//! Outputs: what is refused before rendering, what is written however it is named, and inputs that
+//! stay as they are.
 
 use super::run;
 use serde_json::Value;
@@ -326,7 +327,8 @@ fn any_positive_number_of_seconds_is_one() {
     }
 }
 
-/// Shaders that are read from a folder and are wrong: by their text, by what they name, and by their types.
+/// Shaders that are read from a folder and are wrong: by their text, by what they name, and by
+/// their types.
 #[test]
 fn shaders_that_do_not_compile_end_with_2() {
     let folder = folder();

@@ -1,6 +1,8 @@
-//! Rough handling: streams that are full or closed, signals, folders that vanish, disks without room.
+//! Rough handling: streams that are full or closed, signals, folders that vanish, disks without
+//! room.
 //!
-//! Each case alone first, where it waits for what it needs; then many runs at random, in [`random`].
+//! Each case alone first, where it waits for what it needs; then many runs at random, in
+//! [`random`].
 
 mod random;
 
@@ -188,8 +190,9 @@ fn links_are_followed_and_devices_take_facts() {
     assert_eq!(serde_json::from_str::<Value>(&piped).unwrap()["spp"], 4);
 }
 
-/// Ends an endless render of `a.exr` and `a.png` when its files may hold half a KiB: the PNG is written, the EXR can be nowhere and is as it
-/// was. What was said; none where limits cannot be set.
+/// Ends an endless render of `a.exr` and `a.png` when its files may hold half a KiB: the PNG is
+/// written, the EXR can be nowhere and is as it was. What was said; none where limits cannot be
+/// set.
 ///
 /// They are set in the middle, as lavapipe keeps its memory in files.
 fn end_without_room(folder: &Path) -> Option<String> {
@@ -260,8 +263,8 @@ fn a_folder_that_goes_leaves_the_image_elsewhere() {
     assert!(warnings <= 1, "one warning for all: {said}");
 }
 
-/// Terminals that are closed say so twice, and services that are stopped are told in several ways: the facts, which wait for their reader,
-/// are written all the same.
+/// Terminals that are closed say so twice, and services that are stopped are told in several ways:
+/// the facts, which wait for their reader, are written all the same.
 #[test]
 fn signals_end_a_render_with_its_image() {
     for signals in [["-HUP", "-HUP"], ["-TERM", "-HUP"], ["-INT", "-TERM"]] {

@@ -41,7 +41,8 @@ fn cornell_is_exact_under_every_strategy() {
     }
 }
 
-/// The Cornell box with surfaces of half metal: their lobes are integrated numerically over what they see of the light.
+/// The Cornell box with surfaces of half metal: their lobes are integrated numerically over what
+/// they see of the light.
 fn glossy_cornell() -> Scene {
     let mut glossy = scene("scenes/cornell.toml");
     for material in &mut glossy.materials {

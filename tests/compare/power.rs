@@ -25,8 +25,8 @@ impl Found {
     }
 }
 
-/// Scenes, strategies and numbers of pixels: small images of all, and two on which 2 % are more than the noise of a
-/// mean: many pixels with narrow lobes, and a light that every sample meets.
+/// Scenes, strategies and numbers of pixels: small images of all, and two on which 2 % are more
+/// than the noise of a mean: many pixels with narrow lobes, and a light that every sample meets.
 fn cases() -> Vec<(String, Scene, Strategy, u32)> {
     let own = scenes_of_lights();
     let all = own.into_iter().flat_map(|(name, mut scene)| {
@@ -39,7 +39,8 @@ fn cases() -> Vec<(String, Scene, Strategy, u32)> {
     all.chain(quiet).collect()
 }
 
-/// Scenes with several shadow rays, for what is about them: among them a sky, of which BSDF samples find as much.
+/// Scenes with several shadow rays, for what is about them: among them a sky, of which BSDF samples
+/// find as much.
 fn cases_of_several_rays() -> Vec<(String, Scene, Strategy, u32)> {
     let mut scenes = scenes_of_lights();
     let sky = "scenes/tests/sky.toml";
@@ -60,8 +61,8 @@ fn cases_of_opacities() -> Vec<(String, Scene, Strategy, u32)> {
     paths.into_iter().flat_map(of_path).collect()
 }
 
-/// Samples with the same random numbers show every mistake everywhere. Means show those that are larger than their
-/// noise: each of them on some scene.
+/// Samples with the same random numbers show every mistake everywhere. Means show those that are
+/// larger than their noise: each of them on some scene.
 #[test]
 fn every_broken_twin_is_rejected_on_every_scene() {
     let mut found = vec![Found::default(); BROKEN_TWINS.len()];

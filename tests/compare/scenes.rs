@@ -11,7 +11,8 @@ use direkt::scene::{Geometry, LightSelection, Sampler, ShadowPattern, Strategy};
 use direkt_instruments::compare::Comparison;
 use glam::DVec3;
 
-/// What rests on chance is counted in the suite's family: the worst pixel by Bonferroni, and each channel's mean.
+/// What rests on chance is counted in the suite's family: the worst pixel by Bonferroni, and each
+/// channel's mean.
 fn assert_agrees(comparison: &Comparison, what: &str) {
     let c = comparison;
     assert!(c.per_sample.agrees(), "{what}: {:?}", c.per_sample);
@@ -51,7 +52,8 @@ fn gpu_and_reference_agree_on_scenes_of_effects() {
     }
 }
 
-/// Every pattern of shadow rays, with rays to chosen lights and to every light, under every sampler.
+/// Every pattern of shadow rays, with rays to chosen lights and to every light, under every
+/// sampler.
 #[test]
 fn gpu_and_reference_agree_with_several_shadow_rays() {
     use LightSelection::{All, Power, Uniform};
@@ -113,7 +115,8 @@ fn gpu_and_reference_agree_with_a_light_tree() {
     }
 }
 
-/// A floor of 2·10⁸ under a lamp of side 2, and a ball 10⁸ away that shines: the reference has no f32 to lose.
+/// A floor of 2·10⁸ under a lamp of side 2, and a ball 10⁸ away that shines: the reference has no
+/// f32 to lose.
 #[test]
 fn gpu_and_reference_agree_on_an_extreme_scene() {
     let mut scene = room(1e8);
@@ -159,8 +162,9 @@ fn gpu_and_reference_agree_on_gltf_and_on_scenes_with_models() {
     }
 }
 
-/// The bounds of the project: on Cornell 99.99 % of the samples whose rays meet the same within 10⁻⁴, on the plates,
-/// whose narrow lobes amplify rounding, 99.9 % within 10⁻³; fewer than 10⁻⁴ whose rays meet something else.
+/// The bounds of the project: on Cornell 99.99 % of the samples whose rays meet the same within
+/// 10⁻⁴, on the plates, whose narrow lobes amplify rounding, 99.9 % within 10⁻³; fewer than 10⁻⁴
+/// whose rays meet something else.
 #[test]
 fn samples_agree_as_far_as_f32_goes() {
     let cornell = scene("scenes/cornell.toml");

@@ -57,7 +57,8 @@ fn any_view_has_a_frame() {
     );
 }
 
-/// From a thousandth of a degree to 179°: every pixel has a finite value, and the middle one sees the target.
+/// From a thousandth of a degree to 179°: every pixel has a finite value, and the middle one sees
+/// the target.
 #[test]
 fn narrow_and_wide_views_are_finite() {
     for degrees in [1e-3_f64, 179.0] {
@@ -78,10 +79,12 @@ fn narrow_and_wide_views_are_finite() {
     }
 }
 
-/// From 10⁵ and 10⁷ sizes of the scene away, through a narrow view, a floor under a point light is the orthographic image.
+/// From 10⁵ and 10⁷ sizes of the scene away, through a narrow view, a floor under a point light is
+/// the orthographic image.
 ///
-/// Rays begin a 65,536th of the distance before the floor, where f32 has them off by 2⁻²⁴ of that: at 10⁷ by 10⁻⁵ of the
-/// light's height, and the light's falloff changes by less than ten times as much.
+/// Rays begin a 65,536th of the distance before the floor, where f32 has them off by 2⁻²⁴ of that:
+/// at 10⁷ by 10⁻⁵ of the light's height, and the light's falloff changes by less than ten times as
+/// much.
 #[test]
 fn distant_cameras_see_what_parallel_rays_see() {
     let context = context();

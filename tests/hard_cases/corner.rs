@@ -15,12 +15,12 @@ use std::f64::consts::PI;
 
 /// How far f32's rounding may move a mean, relative to it.
 const ROUNDING: f64 = 2e-5;
-/// With samples of L·Ω·cosθ, which lie in [0, Ω], the variance is at most Ω²/4 (Popoviciu); Ω ≤ π for a wall that stands
-/// on the floor.
+/// With samples of L·Ω·cosθ, which lie in [0, Ω], the variance is at most Ω²/4 (Popoviciu); Ω ≤ π
+/// for a wall that stands on the floor.
 const BOUND: f64 = PI * PI / 4.0;
 
-/// The point (0, 0, 0) of a floor of side 2, seen from the side of the negative x by 32 × 32 pixels, and a light of
-/// radiance 1 whose back rays pass through.
+/// The point (0, 0, 0) of a floor of side 2, seen from the side of the negative x by 32 × 32
+/// pixels, and a light of radiance 1 whose back rays pass through.
 fn floor_and_light(light: Geometry) -> Scene {
     let mut scene = floor_pixel();
     scene.camera =
@@ -95,8 +95,9 @@ fn p_value(found: &Moments, exact: f64, variance: Option<f64>) -> f64 {
     z_test(found.mean, exact, of_mean, ROUNDING * exact).p_value
 }
 
-/// The mean of every strategy, and of MIS with every way of sampling lights, against `exact`. Area sampling is held
-/// against its exact variance, which its samples do not tell: the rare ones that make it are missing.
+/// The mean of every strategy, and of MIS with every way of sampling lights, against `exact`. Area
+/// sampling is held against its exact variance, which its samples do not tell: the rare ones that
+/// make it are missing.
 fn means_are_right(scene: &Scene, exact: f64, by_area: f64, what: &str) {
     let context = context();
     for strategy in STRATEGIES {
@@ -152,7 +153,8 @@ fn the_variance_beside_a_wall_is_bounded() {
             ours: ours.variance().unwrap(),
         },
     );
-    // So near, area sampling's variance of 10¹¹ is made by samples that are never seen: its mean is short of them.
+    // So near, area sampling's variance of 10¹¹ is made by samples that are never seen: its mean is
+    // short of them.
     let exact = PI * perpendicular_rectangle([-0.5, 0.5], [0.0, 1.0], 1e-6);
     let [by_area, ours] =
         [Strategy::LightArea, Strategy::MisPower].map(|s| irradiance(context, &wall(1e-6), s));
@@ -172,8 +174,8 @@ fn the_variance_beside_a_wall_is_bounded() {
     );
 }
 
-/// A lamp as large as the Cornell box's, a hundredth below the ceiling that it lights from below (here turned upside
-/// down): over its centre, over its edge, and beside it.
+/// A lamp as large as the Cornell box's, a hundredth below the ceiling that it lights from below
+/// (here turned upside down): over its centre, over its edge, and beside it.
 #[test]
 fn every_strategy_finds_the_ceiling_a_hundredth_above_a_lamp() {
     for x in [0.0, 0.23, 0.28] {

@@ -22,7 +22,8 @@ fn floor(width: u32, height: u32) -> Prepared {
     prepared(scene)
 }
 
-/// A device is destroyed in the middle of the first block, again before anything is saved in the second, and in the third.
+/// A device is destroyed in the middle of the first block, again before anything is saved in the
+/// second, and in the third.
 #[test]
 fn a_render_outlives_its_devices() {
     const SPP: u64 = 640;
@@ -131,7 +132,8 @@ fn a_render_that_fails_keeps_its_image() {
     assert!(failed.unwrap_err().image.is_none());
 }
 
-/// Pixels of an image of `size` that have not exactly `samples` samples or not the floor's radiance.
+/// Pixels of an image of `size` that have not exactly `samples` samples or not the floor's
+/// radiance.
 fn wrong_pixels(context: &Context, (width, height): (u32, u32), samples: u64) -> usize {
     let prepared = floor(width, height);
     let mut session = Session::new(context, &prepared, prepared.film, 0).unwrap();

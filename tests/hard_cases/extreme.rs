@@ -27,15 +27,16 @@ fn wall(corner: DVec3, u: DVec3, v: DVec3) -> Mesh {
     }
 }
 
-/// Unit vectors to a far wall and along it. Its coordinates along z are small beside the others, and what is across a ray there
-/// is computed of all three.
+/// Unit vectors to a far wall and along it. Its coordinates along z are small beside the others,
+/// and what is across a ray there is computed of all three.
 const TO_WALL: DVec3 = DVec3::new(-0.6, -0.8, 0.0);
 const ALONG_WALL: [DVec3; 2] = [DVec3::Z, DVec3::new(-0.8, 0.6, 0.0)];
 /// Distances of the far walls, and half of their sides beside these.
 const DISTANCES: [i32; 3] = [8, 14, 20];
 const FAR_HALF_SIDE: f64 = 1.0 / 262_144.0;
 
-/// A wall of side 2 around the origin, seen from (3, 0, 0), walls far behind it, and what makes the scene extreme.
+/// A wall of side 2 around the origin, seen from (3, 0, 0), walls far behind it, and what makes the
+/// scene extreme.
 fn walls() -> Prepared {
     let mut scene = floor_pixel();
     scene.camera = Camera::look_at(DVec3::X * 3.0, DVec3::ZERO, DVec3::Z, 1.0).unwrap();
@@ -85,9 +86,10 @@ fn rays_to_walls(random: &mut Random) -> Vec<([DVec3; 2], String)> {
     rays
 }
 
-/// The hierarchy may lose nothing that the primitives by themselves do not: what rays meet is what all primitives in turn give,
-/// bit for bit, from wherever they come. Closed walls let none through: ray and vertices are off by some 2⁻²⁴ of a distance of at
-/// most 2²⁰, and the rays stay 0.2 away from the near wall's border. (Of the far walls, vertices are as far off.)
+/// The hierarchy may lose nothing that the primitives by themselves do not: what rays meet is what
+/// all primitives in turn give, bit for bit, from wherever they come. Closed walls let none
+/// through: ray and vertices are off by some 2⁻²⁴ of a distance of at most 2²⁰, and the rays stay
+/// 0.2 away from the near wall's border. (Of the far walls, vertices are as far off.)
 #[test]
 fn rays_from_far_and_to_far_hit_as_in_brute_force() {
     let context = context();
@@ -131,8 +133,8 @@ fn planes(word: u32) -> [f64; 2] {
     })
 }
 
-/// Every box lies within its rounded one, which is larger by no more than nine bits of its planes, 2⁻²⁰ of its distance and
-/// 2⁻¹⁴ of the radius call for.
+/// Every box lies within its rounded one, which is larger by no more than nine bits of its planes,
+/// 2⁻²⁰ of its distance and 2⁻¹⁴ of the radius call for.
 #[test]
 fn boxes_of_the_logarithmic_grid_hold_what_they_are_around() {
     let mut random = Random::new(91);

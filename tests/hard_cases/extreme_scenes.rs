@@ -1,4 +1,5 @@
-//! Renders of scenes that are much larger than what is in view: each part of them shows and shines as it does alone.
+//! Renders of scenes that are much larger than what is in view: each part of them shows and shines
+//! as it does alone.
 
 use crate::support::every_kind::constant_environment;
 use crate::support::{
@@ -38,8 +39,8 @@ fn assert_extreme(context: &Context, scene: Scene, expected: f64, what: &str) {
     assert_pixel(&film, expected, what);
 }
 
-/// A sphere above the floor at `distance` whose radius is this part of it: the floor sees the square of that part of the sky,
-/// weighted by cosines.
+/// A sphere above the floor at `distance` whose radius is this part of it: the floor sees the
+/// square of that part of the sky, weighted by cosines.
 fn ball(distance: f64, part: f64) -> Geometry {
     Geometry::Sphere {
         center: DVec3::Z * distance,
@@ -51,7 +52,8 @@ fn lamp() -> Shape {
     emitter(ball(FAR, 0.3), RADIANCE, false)
 }
 
-/// Part of a floor's sky, weighted by cosines, that a square fills above its middle whose side is twice its height.
+/// Part of a floor's sky, weighted by cosines, that a square fills above its middle whose side is
+/// twice its height.
 fn sky_of_square() -> f64 {
     4.0 / PI * FRAC_1_SQRT_2 * FRAC_1_SQRT_2.atan()
 }
@@ -66,9 +68,9 @@ fn level(low: [f64; 2], high: [f64; 2], z: f64) -> Geometry {
     }
 }
 
-/// What the floor reflects of a lamp at 10⁸, of radius 3·10⁷: ½ · 5 · 0.3²; of half of it behind an edge 1 above the floor; none
-/// behind a plate that is as large as the lamp seems at 1 above the floor, or behind a ball at 10⁷; what is left around a
-/// smaller ball.
+/// What the floor reflects of a lamp at 10⁸, of radius 3·10⁷: ½ · 5 · 0.3²; of half of it behind an
+/// edge 1 above the floor; none behind a plate that is as large as the lamp seems at 1 above the
+/// floor, or behind a ball at 10⁷; what is left around a smaller ball.
 #[test]
 fn a_lamp_far_away_shines_and_is_hidden_by_what_is_near() {
     let context = context();
@@ -118,8 +120,9 @@ fn a_lamp_far_away_shines_before_every_camera() {
     }
 }
 
-/// A sphere before a disk before a square whose half side is its height, all equally bright: the floor sees what it would see
-/// of the square, of which each hides a part (Lambert's formula, with atan(1/√2)).
+/// A sphere before a disk before a square whose half side is its height, all equally bright: the
+/// floor sees what it would see of the square, of which each hides a part (Lambert's formula, with
+/// atan(1/√2)).
 #[test]
 fn far_lamps_of_every_shape_shine_under_every_kind_of_strategy() {
     let context = context();
@@ -142,8 +145,8 @@ fn far_lamps_of_every_shape_shine_under_every_kind_of_strategy() {
     }
 }
 
-/// A square of two triangles, 4 away from its middle in units of up to 10¹², by its solid angle: products of eight of its lengths
-/// are no numbers of f32 there.
+/// A square of two triangles, 4 away from its middle in units of up to 10¹², by its solid angle:
+/// products of eight of its lengths are no numbers of f32 there.
 #[test]
 fn far_triangles_shine_when_sampled_by_solid_angle() {
     let context = context();
@@ -167,8 +170,9 @@ fn far_triangles_shine_when_sampled_by_solid_angle() {
     }
 }
 
-/// A disk of radius R at height h fills R²/(R² + h²) of the floor's sky, weighted by cosines: half where it is as far away as
-/// its radius, all of it near. A light that shines upwards does not shine on the floor below.
+/// A disk of radius R at height h fills R²/(R² + h²) of the floor's sky, weighted by cosines: half
+/// where it is as far away as its radius, all of it near. A light that shines upwards does not
+/// shine on the floor below.
 #[test]
 fn ceilings_of_any_size_shine() {
     let context = context();
@@ -196,7 +200,8 @@ fn ceilings_of_any_size_shine() {
     }
 }
 
-/// A wall behind the floor's point that reaches from 10⁸ left to 10⁸ right, 10⁸ high, hides half of the sky.
+/// A wall behind the floor's point that reaches from 10⁸ left to 10⁸ right, 10⁸ high, hides half of
+/// the sky.
 #[test]
 fn a_wall_hides_half_of_the_sky() {
     let wall = Geometry::Rectangle {
@@ -285,8 +290,8 @@ fn assert_alike(film: &Film, other: &Film, what: &str) {
     statistics::accept(test.p_value, &format!("{what}: {a} for {b}"));
 }
 
-/// A box far above changes nothing. Of a floor of 2·10⁸ no more is lit than of one of 2,000: of the lamp's light one part in
-/// 10⁶ goes beyond.
+/// A box far above changes nothing. Of a floor of 2·10⁸ no more is lit than of one of 2,000: of the
+/// lamp's light one part in 10⁶ goes beyond.
 #[test]
 fn a_room_is_as_it_is_beside_what_is_far_and_on_a_huge_floor() {
     let context = context();

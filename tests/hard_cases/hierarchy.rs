@@ -65,8 +65,8 @@ fn a_hierarchy_is_never_deeper_than_the_stack() {
     );
 }
 
-/// Where the hierarchy finds that rays stop, and where all primitives in turn do, both on the GPU: pairs of distances, for an
-/// origin and a direction each in `inputs`.
+/// Where the hierarchy finds that rays stop, and where all primitives in turn do, both on the GPU:
+/// pairs of distances, for an origin and a direction each in `inputs`.
 pub(super) fn distances_by_both_ways(
     context: &Context,
     prepared: &Prepared,
@@ -98,8 +98,8 @@ pub(super) fn distances_by_both_ways(
     both.map(|(found, nearest)| [found, nearest]).collect()
 }
 
-/// Axis-parallel rays and boxes' faces on whole numbers: what the hierarchy finds is what all primitives in turn give, bit
-/// for bit.
+/// Axis-parallel rays and boxes' faces on whole numbers: what the hierarchy finds is what all
+/// primitives in turn give, bit for bit.
 #[test]
 fn rays_on_whole_numbers_are_hit_as_in_brute_force() {
     const RAYS: usize = 100_000;

@@ -34,7 +34,8 @@ fn dark() -> [(&'static str, Scene); 4] {
     ]
 }
 
-/// The textbook's sample in f32: density d²/(A·|cosθ|) of area sampling, in the power heuristic with that of the cosine.
+/// The textbook's sample in f32: density d²/(A·|cosθ|) of area sampling, in the power heuristic
+/// with that of the cosine.
 fn textbook_sample(light: &Geometry, u: [f64; 2]) -> f32 {
     let Geometry::Rectangle {
         corner,

@@ -14,8 +14,8 @@ use std::f64::consts::PI;
 /// Points of the unit square, the middles of a grid.
 const GRID: u32 = 128;
 
-/// Per case the irradiance over radiance at the origin, normal +z, by direkt's light sampling and by `textbook`: an
-/// expression of `u` (the point of the unit square) for one sample of `light`.
+/// Per case the irradiance over radiance at the origin, normal +z, by direkt's light sampling and
+/// by `textbook`: an expression of `u` (the point of the unit square) for one sample of `light`.
 fn irradiance(
     context: &Context,
     (kind, features): (&str, &[&'static str]),
@@ -130,7 +130,8 @@ fn triangles_of_every_size_shine_as_brightly_as_they_should() {
 }
 
 /// A light of 0.95·10⁻³ sr, tilted by 80°, for a receiver that it grazes by 5°: what pbrt-v4's
-/// `SampleSphericalRectangle` does below 10⁻³ sr. And one on either side of 10⁻⁵ sr, where direkt changes.
+/// `SampleSphericalRectangle` does below 10⁻³ sr. And one on either side of 10⁻⁵ sr, where direkt
+/// changes.
 #[test]
 fn small_squares_at_grazing_angles_shine_as_brightly_as_they_should() {
     let context = context();

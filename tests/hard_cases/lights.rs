@@ -19,8 +19,8 @@ fn failures(values: impl Iterator<Item = f64>) -> f64 {
     values.filter(|x| !x.is_finite()).count() as f64
 }
 
-/// Samples of the irradiance by a two-sided sphere of radius 2 and radiance 1, at places that are given by the distance
-/// from its centre in radii, on a line, and the normal.
+/// Samples of the irradiance by a two-sided sphere of radius 2 and radiance 1, at places that are
+/// given by the distance from its centre in radii, on a line, and the normal.
 fn sphere_samples(
     context: &Context,
     places: &[(f64, DVec3)],
@@ -56,8 +56,8 @@ fn sphere_samples(
 
 const OUTWARDS: DVec3 = DVec3::new(0.48, -0.6, 0.64);
 
-/// At the centre, at 0.999 of the radius with normals inwards, outwards and across, and on the sphere with the normal
-/// inwards: whatever is above the surface is the sphere, E = πL.
+/// At the centre, at 0.999 of the radius with normals inwards, outwards and across, and on the
+/// sphere with the normal inwards: whatever is above the surface is the sphere, E = πL.
 #[test]
 fn within_a_sphere_that_shines_every_sample_is_the_irradiance() {
     let context = context();
@@ -266,8 +266,9 @@ fn nothing_is_too_far_to_hide_a_directional_light() {
     );
 }
 
-/// A map of one radiance, as a map: every sample over its density is 4π times that, the first row's among them and at the
-/// very pole. The textbook's texel is chosen by sinθ of its centre, and its density is over sinθ of the sample.
+/// A map of one radiance, as a map: every sample over its density is 4π times that, the first row's
+/// among them and at the very pole. The textbook's texel is chosen by sinθ of its centre, and its
+/// density is over sinθ of the sample.
 #[test]
 fn every_sample_of_a_constant_map_is_the_same() {
     let context = context();

@@ -111,8 +111,9 @@ fn a_closed_mesh_lets_no_ray_out() {
     );
 }
 
-/// As in the report to Embree (issue 387): a triangle with edges of 11.2, 9.7 and 1.4, less than 600 away, in rays at
-/// half a degree and less to its plane. What is hit is hit within the triangle's own range along the ray.
+/// As in the report to Embree (issue 387): a triangle with edges of 11.2, 9.7 and 1.4, less than
+/// 600 away, in rays at half a degree and less to its plane. What is hit is hit within the
+/// triangle's own range along the ray.
 #[test]
 fn grazed_slivers_are_hit_where_they_are() {
     let context = context();
@@ -187,9 +188,9 @@ pub(super) fn triangle(a: DVec3, b: DVec3, c: DVec3) -> Mesh {
     }
 }
 
-/// Rays that the GPU's hierarchy and every triangle in turn in f64 do not stop at the same distance, and rays that are
-/// stopped. Those that pass an edge within 2⁻¹⁶ are left out: the ray's axes are off by 52 U, projections by 60 U times the
-/// distance of a vertex, which is at most 4.
+/// Rays that the GPU's hierarchy and every triangle in turn in f64 do not stop at the same
+/// distance, and rays that are stopped. Those that pass an edge within 2⁻¹⁶ are left out: the ray's
+/// axes are off by 52 U, projections by 60 U times the distance of a vertex, which is at most 4.
 pub(super) fn unlike_brute_force(prepared: &Prepared, rays: &[[DVec3; 2]]) -> (usize, usize) {
     let function = Function {
         imports: "import package::core::ray::Ray;

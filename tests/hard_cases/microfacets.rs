@@ -1,4 +1,5 @@
-//! GGX at grazing angles and where half vectors vanish, and light from below: HARD CASES B3, B4, B6.
+//! GGX at grazing angles and where half vectors vanish, and light from below: HARD CASES B3, B4,
+//! B6.
 
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::random::direction;
@@ -34,7 +35,8 @@ const IMPORTS: &str = "import package::bsdf::bsdf::{eval_bsdf, sample_bsdf};
 
 const ALPHAS: [f64; 4] = [1e-4, 1e-3, 0.1, 1.0];
 
-/// A white conductor's weights F·G2/G1 are in [0, 1], up to the lobe's error in numerator and denominator alike.
+/// A white conductor's weights F·G2/G1 are in [0, 1], up to the lobe's error in numerator and
+/// denominator alike.
 #[test]
 fn weights_at_grazing_angles_are_between_0_and_1() {
     let context = context();
@@ -157,7 +159,8 @@ fn light_from_below_the_surface_is_not_reflected() {
     );
 }
 
-/// The floor's vertex normals lean 30° towards a light 10° below it: cos 70° of the shading normal is light that leaks.
+/// The floor's vertex normals lean 30° towards a light 10° below it: cos 70° of the shading normal
+/// is light that leaks.
 #[test]
 fn light_does_not_leak_through_shading_normals() {
     let context = context();

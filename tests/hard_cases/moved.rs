@@ -18,8 +18,8 @@ const SCENES: [&str; 3] = ["cornell", "veach", "spot_and_sun"];
 /// Relative difference of images (mean |a − b| over mean |a|, same seed).
 const BOUND: f64 = 1e-5;
 
-/// A scene of `scenes/`, as this test renders it: lights are chosen by power, so that one that is weighed by the unit of
-/// length would be noticed.
+/// A scene of `scenes/`, as this test renders it: lights are chosen by power, so that one that is
+/// weighed by the unit of length would be noticed.
 fn original(name: &str) -> Scene {
     let mut scene = scene(&format!("scenes/{name}.toml"));
     scene.film = FilmSize {
@@ -33,7 +33,8 @@ fn original(name: &str) -> Scene {
     scene
 }
 
-/// `scene` with every position mapped by `point` and every length by `length`; lights without extent grow with the square.
+/// `scene` with every position mapped by `point` and every length by `length`; lights without
+/// extent grow with the square.
 fn mapped(
     mut scene: Scene,
     point: impl Fn(DVec3) -> DVec3,

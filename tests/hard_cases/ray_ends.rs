@@ -252,7 +252,8 @@ fn shells_a_hair_apart_shadow_each_other() {
     );
 }
 
-/// A regular octahedron, each face divided into `n²` triangles and pushed onto a sphere: convex and closed.
+/// A regular octahedron, each face divided into `n²` triangles and pushed onto a sphere: convex and
+/// closed.
 pub(super) fn ball(n: u32, scale: f64, center: DVec3) -> Mesh {
     let mut mesh = Mesh::default();
     for octant in 0..8 {
@@ -278,8 +279,8 @@ pub(super) fn ball(n: u32, scale: f64, center: DVec3) -> Mesh {
     mesh
 }
 
-/// A closed convex mesh: rays that leave it outwards meet nothing, rays that leave it inwards meet it, and segments from
-/// its inside to a point on it are free.
+/// A closed convex mesh: rays that leave it outwards meet nothing, rays that leave it inwards meet
+/// it, and segments from its inside to a point on it are free.
 #[test]
 fn rays_neither_stop_at_their_own_surface_nor_leak_at_any_scale_and_offset() {
     let context = context();

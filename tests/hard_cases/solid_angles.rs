@@ -20,7 +20,8 @@ pub(super) fn relative(found: f64, exact: f64) -> f64 {
     (found / exact - 1.0).abs()
 }
 
-/// Solid angles by direkt, by the sum of the angles less π, and by Van Oosterom and Strackee's formula as printed.
+/// Solid angles by direkt, by the sum of the angles less π, and by Van Oosterom and Strackee's
+/// formula as printed.
 const OF_TRIANGLE: Function<'_> = Function {
     imports: "import package::light::triangle::spherical_triangle;
         fn angle_at(a: vec3f, b: vec3f, c: vec3f) -> f32 {
@@ -46,8 +47,8 @@ fn solid_angles(context: &Context, function: &Function<'_>, cases: &[Edges]) -> 
     call(context, function, &words(&inputs))
 }
 
-/// 300 rotations of a right triangle with legs of 1 at this distance. Coordinates are multiples of 2⁻¹⁰, so that vertices
-/// and edges are exact in f32.
+/// 300 rotations of a right triangle with legs of 1 at this distance. Coordinates are multiples of
+/// 2⁻¹⁰, so that vertices and edges are exact in f32.
 fn turned_triangles(distance: f64) -> Vec<Edges> {
     let mut random = Random::new(300);
     let exact = |v: DVec3| (v * 1024.0).round() / 1024.0;

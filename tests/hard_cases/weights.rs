@@ -5,9 +5,10 @@ use crate::support::hard_cases::{Measured, survive};
 use crate::support::shader::{Function, draw};
 use direkt::low_level::stats::moments::Moments;
 
-/// The irradiance of a constant environment, one sample over the uniform hemisphere and one in proportion to the cosine:
-/// the variance of their weighted sum is 0.43864423014204 by the balance heuristic and 0.523097720493333 by the power
-/// heuristic (quadrature). 2²² samples have it to 0.1 %.
+/// The irradiance of a constant environment, one sample over the uniform hemisphere and one in
+/// proportion to the cosine: the variance of their weighted sum is 0.43864423014204 by the balance
+/// heuristic and 0.523097720493333 by the power heuristic (quadrature). 2²² samples have it to 0.1
+/// %.
 #[test]
 fn two_strategies_have_the_exact_variance() {
     let context = context();

@@ -26,7 +26,8 @@ fn counts(film: &Film) -> BTreeSet<u64> {
     film.pixels.iter().map(|p| p.samples).collect()
 }
 
-/// A pixel with n samples has the first n samples: those that all pixels have in an image with n samples per pixel.
+/// A pixel with n samples has the first n samples: those that all pixels have in an image with n
+/// samples per pixel.
 #[test]
 fn pixels_have_the_samples_of_uniform_images() {
     let context = context();
@@ -147,8 +148,8 @@ fn without_an_error_all_pixels_have_the_same() {
     }
 }
 
-/// The means of images whose samples are rarely bright. Broken: pixels whose own first samples tell nothing of an error get no
-/// more of them, and so remain dark too often.
+/// The means of images whose samples are rarely bright. Broken: pixels whose own first samples tell
+/// nothing of an error get no more of them, and so remain dark too often.
 #[test]
 fn means_are_unbiased() {
     const IMAGES: u32 = 25;

@@ -22,7 +22,8 @@ const SAMPLES: u64 = 11;
 
 /// What a mean of f32 sums loses, textures' coordinates included.
 const ROUNDING: f64 = 3e-4;
-/// How far rounding turns a camera ray, in radians: some f32 roundings of its direction and of where it starts.
+/// How far rounding turns a camera ray, in radians: some f32 roundings of its direction and of
+/// where it starts.
 const TURN: f64 = 2e-6;
 
 /// Textures and a normal map; mirror and glass; a lens; parallel rays; opacities.
@@ -99,7 +100,8 @@ fn features_are_the_twins() {
 /// How far a film point may be rounded, in pixels.
 const FILM_ROUNDING: f64 = 1e-3;
 
-/// Whether the record is what the twin sees in the middle of the pixel, or, where that is another primitive, all but there.
+/// Whether the record is what the twin sees in the middle of the pixel, or, where that is another
+/// primitive, all but there.
 fn is_seen(direct: &Direct<'_>, pixel: DVec2, record: &SurfaceRecord) -> bool {
     let world = direct.world();
     let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
@@ -168,7 +170,8 @@ fn images(scene: Scene) -> (Prepared, AovImages) {
     (prepared, images)
 }
 
-/// The floor that a pixel sees is at the origin, √14 before the eye, in the file's unit and wherever the scene lies.
+/// The floor that a pixel sees is at the origin, √14 before the eye, in the file's unit and
+/// wherever the scene lies.
 #[test]
 fn positions_and_depths_are_those_of_the_file() {
     for (offset, scale) in [
@@ -199,8 +202,9 @@ fn positions_and_depths_are_those_of_the_file() {
     }
 }
 
-/// Of parallel rays to a plane that faces them every pixel has the same depth, and the depth of a perspective image of it
-/// is the same all over as well: it is measured along the viewing direction.
+/// Of parallel rays to a plane that faces them every pixel has the same depth, and the depth of a
+/// perspective image of it is the same all over as well: it is measured along the viewing
+/// direction.
 #[test]
 fn depth_is_measured_along_the_viewing_direction() {
     let wide = Projection::Perspective { fov_y: 1.2 };

@@ -1,5 +1,5 @@
-//! MIS compensation of the environment map (Karlík et al. 2019): the same mean, less variance, and wrong where light
-//! sampling is alone.
+//! MIS compensation of the environment map (Karlík et al. 2019): the same mean, less variance, and
+//! wrong where light sampling is alone.
 
 use crate::support::every_kind::{environment_map, every_kind};
 use crate::support::twin::{

@@ -58,8 +58,9 @@ fn a_calibration_that_is_stopped_has_the_estimators_before() {
     assert_eq!(found[0].estimator, settings.estimators[0]);
 }
 
-/// Reported errors are within 10 % of actual ones, intervals hold what they say, and images that stop by themselves are as
-/// right as they were told to be. The bounds leave four standard errors of so few images.
+/// Reported errors are within 10 % of actual ones, intervals hold what they say, and images that
+/// stop by themselves are as right as they were told to be. The bounds leave four standard errors
+/// of so few images.
 fn assert_calibrated(scene: &Scene, settings: &Settings) {
     let found = calibrate(context(), scene, settings, &mut |_, _| {}, &|| false);
     for c in found.unwrap() {

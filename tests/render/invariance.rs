@@ -90,7 +90,8 @@ fn waves() -> Scene {
     scene
 }
 
-/// Nodes, primitives and attributes in several bindings, as large scenes have them, are read as in one.
+/// Nodes, primitives and attributes in several bindings, as large scenes have them, are read as in
+/// one.
 #[test]
 fn split_geometry_is_the_same() {
     let mut data = SceneData::new(waves());
@@ -122,8 +123,8 @@ fn other_seeds_give_other_images() {
     assert_ne!(films[0], films[1]);
 }
 
-/// `scene` made ready, with the same constants in its kernel as the others': their kernels with every effect take long to
-/// compile, and so they are one.
+/// `scene` made ready, with the same constants in its kernel as the others': their kernels with
+/// every effect take long to compile, and so they are one.
 fn with_constants_of_all(scene: Scene) -> Prepared {
     let settings = scene.render;
     let mut data = SceneData::new(scene);
@@ -135,7 +136,8 @@ fn with_constants_of_all(scene: Scene) -> Prepared {
     prepared
 }
 
-/// Few scenes that together call for every effect that any scene calls for: each the one with most that those before lack.
+/// Few scenes that together call for every effect that any scene calls for: each the one with most
+/// that those before lack.
 fn scenes_of_all_effects() -> Vec<(String, Prepared)> {
     let small = |(name, mut scene): (String, Scene)| {
         scene.render.estimator.sampler = Sampler::Independent;
@@ -237,8 +239,9 @@ fn an_interrupted_pass_keeps_what_it_has() {
     assert_eq!(rays.camera, 2 * 63 * 65);
 }
 
-/// Every ray passes through the backs of 6,000 one-sided rectangles before it meets the emitting floor: 64 samples
-/// take more loop iterations than Mesa 22's lavapipe grants an invocation (65,535). The kernel notices, and goes on.
+/// Every ray passes through the backs of 6,000 one-sided rectangles before it meets the emitting
+/// floor: 64 samples take more loop iterations than Mesa 22's lavapipe grants an invocation
+/// (65,535). The kernel notices, and goes on.
 #[test]
 fn loops_longer_than_a_drivers_budget_lose_no_sample() {
     let mut scene = floor_pixel();

@@ -44,8 +44,8 @@ fn overflowing_samples_are_dropped_and_counted() {
     assert_eq!(film.ledger.dropped, 0);
 }
 
-/// Every scene of `scenes/` as it is: those of lights with 2²⁴ samples, the others with 2²⁰ each. Those of `scenes/tests/` are
-/// where their exact values are checked.
+/// Every scene of `scenes/` as it is: those of lights with 2²⁴ samples, the others with 2²⁰ each.
+/// Those of `scenes/tests/` are where their exact values are checked.
 #[test]
 fn no_scene_has_a_sample_that_is_not_finite() {
     let context = context();

@@ -7,8 +7,8 @@ use direkt::scene::filter::FilterKind;
 use direkt::scene::{Camera, Geometry, Lens, PixelFilter, Projection, Scene};
 use glam::DVec3;
 
-/// One narrow pixel along −z through a lens of radius `radius` that is focused at 2, before a disk light of radius ½ at
-/// distance 5 whose middle lies `aside`.
+/// One narrow pixel along −z through a lens of radius `radius` that is focused at 2, before a disk
+/// light of radius ½ at distance 5 whose middle lies `aside`.
 fn disk_behind_focus(radius: f64, aside: f64, projection: Projection) -> Scene {
     let mut scene = floor_pixel();
     scene.camera = Camera {
@@ -29,15 +29,16 @@ fn disk_behind_focus(radius: f64, aside: f64, projection: Projection) -> Scene {
     scene
 }
 
-/// Area of the intersection of circles of radii `a` and `b` at distance `d`, where they do intersect.
+/// Area of the intersection of circles of radii `a` and `b` at distance `d`, where they do
+/// intersect.
 fn lens_shape(a: f64, b: f64, d: f64) -> f64 {
     let segment = |r: f64, s: f64| ((d * d + r * r - s * s) / (2.0 * d * r)).acos();
     let (alpha, beta) = (segment(a, b), segment(b, a));
     a * a * (alpha - alpha.sin() * alpha.cos()) + b * b * (beta - beta.sin() * beta.cos())
 }
 
-/// A ray from o on the lens reaches the disk's plane at o(1 − 5/2): the lens's image there is a disk of 1.5 times its radius,
-/// of which the light covers what both have in common.
+/// A ray from o on the lens reaches the disk's plane at o(1 − 5/2): the lens's image there is a
+/// disk of 1.5 times its radius, of which the light covers what both have in common.
 #[test]
 fn the_circle_of_confusion_is_as_wide_as_it_should_be() {
     let context = context();

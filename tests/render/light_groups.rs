@@ -1,4 +1,5 @@
-//! The light of groups of lights: together the image, each that of its lights alone, and absent where nobody asks.
+//! The light of groups of lights: together the image, each that of its lights alone, and absent
+//! where nobody asks.
 
 use crate::support::{context, point_light, prepared, prepared_for, scene, statistics, take};
 use direkt::low_level::gpu::Context;
@@ -14,7 +15,8 @@ const FILM: FilmSize = FilmSize {
     height: 20,
 };
 
-/// Sun, sky and lamps; a sphere, a disk and an environment with groups, in a mirror and behind glass.
+/// Sun, sky and lamps; a sphere, a disk and an environment with groups, in a mirror and behind
+/// glass.
 fn grouped(name: &str) -> Scene {
     let mut scene = scene(&format!("scenes/{name}.toml"));
     scene.film = FILM;

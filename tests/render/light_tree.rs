@@ -55,8 +55,8 @@ fn with_tree(mut prepared: Prepared, change: impl Fn(&mut LightTree)) -> Prepare
 /// What makes a tree wrong.
 type Mistake = fn(&mut LightTree);
 
-/// The probability that MIS asks for decides on the mean; and the cones by which lights are left out, where no BSDF sampling
-/// stands in for them.
+/// The probability that MIS asks for decides on the mean; and the cones by which lights are left
+/// out, where no BSDF sampling stands in for them.
 #[test]
 fn a_tree_with_a_mistake_is_found_out() {
     let context = context();
@@ -145,7 +145,8 @@ fn a_tree_has_less_than_a_tenth_of_the_variance_of_power() {
     assert!(by_power > 10.0 * by_tree, "{by_tree} and {by_power}");
 }
 
-/// A tree is called for where it has lights to choose from: two or more at a finite distance, that are sampled.
+/// A tree is called for where it has lights to choose from: two or more at a finite distance, that
+/// are sampled.
 #[test]
 fn a_tree_is_called_for_by_two_lights() {
     let calls = |scene: &Scene, strategy: Strategy| {

@@ -1,4 +1,5 @@
-//! One pixel, one exact value, for what no scene file says: environment maps made here, scenes without lights.
+//! One pixel, one exact value, for what no scene file says: environment maps made here, scenes
+//! without lights.
 
 use crate::support::hard_cases::{Measured, survive};
 use crate::support::{STRATEGIES, assert_pixel, context, floor_pixel, render, scene};
@@ -73,8 +74,8 @@ fn map(width: u32, height: u32, value: impl Fn(u32, u32) -> f32) -> Environment 
     }
 }
 
-/// The map's up axis is turned to +z, the floor's normal. A row from θ₀ to θ₁ then gives the irradiance
-/// L·π·(cos²θ₀ − cos²θ₁) · (fraction of the row).
+/// The map's up axis is turned to +z, the floor's normal. A row from θ₀ to θ₁ then gives the
+/// irradiance L·π·(cos²θ₀ − cos²θ₁) · (fraction of the row).
 #[test]
 fn one_bright_texel() {
     let (width, height) = (16, 8);

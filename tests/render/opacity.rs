@@ -16,7 +16,8 @@ fn veil(alpha: f64) -> Material {
     }
 }
 
-/// `count` rectangles of material 1 between the floor and what is above 1; none of their diagonals meets the axis.
+/// `count` rectangles of material 1 between the floor and what is above 1; none of their diagonals
+/// meets the axis.
 fn layers(count: u32) -> Geometry {
     let mut mesh = Mesh::default();
     for i in 0..count {
@@ -40,8 +41,9 @@ fn under_layers(count: u32, alpha: f64) -> Scene {
     scene
 }
 
-/// The mean is the product of what each layer lets pass, under a point light, which only light sampling finds, and under a
-/// square, of which BSDF samples find their part. The camera looks from below the layers' edges.
+/// The mean is the product of what each layer lets pass, under a point light, which only light
+/// sampling finds, and under a square, of which BSDF samples find their part. The camera looks from
+/// below the layers' edges.
 #[test]
 fn a_thousand_layers_let_the_product_pass() {
     let context = context();
@@ -115,7 +117,8 @@ fn a_minute_opacity_lets_all_but_nothing_pass() {
     assert_pixel(&render(context(), scene), 3.978_873_577, "opacity 1e-7");
 }
 
-/// An opacity of 1 calls for nothing, and what has an opacity of 0 is not there at all, its emission included.
+/// An opacity of 1 calls for nothing, and what has an opacity of 0 is not there at all, its
+/// emission included.
 #[test]
 fn opaque_surfaces_and_absent_ones_call_for_nothing() {
     let opaque = prepared(under_layers(3, 1.0));

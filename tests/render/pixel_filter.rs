@@ -11,7 +11,8 @@ use glam::DVec3;
 const EDGE: f64 = 4.3;
 const PIXELS: u32 = 9;
 
-/// A row of pixels of side 1, straight above a light that covers what lies to the right of [`EDGE`].
+/// A row of pixels of side 1, straight above a light that covers what lies to the right of
+/// [`EDGE`].
 fn edge(filter: PixelFilter, sampler: Sampler) -> Scene {
     let mut scene = floor_pixel();
     let half = 0.5 * f64::from(PIXELS);

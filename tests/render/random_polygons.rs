@@ -20,8 +20,8 @@ fn numbers(polygon: u32) -> impl FnMut() -> f64 {
     }
 }
 
-/// A convex polygon of 3 to 7 corners on an ellipse, somewhere around a point near the origin and turned anyhow: some
-/// cross the horizon of the floor, and some show it their back.
+/// A convex polygon of 3 to 7 corners on an ellipse, somewhere around a point near the origin and
+/// turned anyhow: some cross the horizon of the floor, and some show it their back.
 fn polygon(index: u32) -> Vec<DVec3> {
     let mut next = numbers(index);
     let corners = 3 + (5.0 * next()) as usize;
@@ -51,8 +51,9 @@ fn fan(corners: &[DVec3]) -> Geometry {
     })
 }
 
-/// 2²⁰ samples of a floor of reflectance ½ under a polygon of radiance 10: ρ·L·F within 4.5 standard errors. The floor
-/// is small, so that it hides nothing of what is below the horizon, and what is below it must not arrive.
+/// 2²⁰ samples of a floor of reflectance ½ under a polygon of radiance 10: ρ·L·F within 4.5
+/// standard errors. The floor is small, so that it hides nothing of what is below the horizon, and
+/// what is below it must not arrive.
 #[test]
 fn any_polygon_light_agrees_with_lamberts_formula() {
     let context = context();

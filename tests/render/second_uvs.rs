@@ -10,7 +10,8 @@ use direkt::scene::{
 };
 use glam::{DAffine2, DVec2, DVec3, Vec4};
 
-/// Colour and alpha of the texel that the first texture coordinates name, and of that which the second do.
+/// Colour and alpha of the texel that the first texture coordinates name, and of that which the
+/// second do.
 const TEXELS: [[u8; 4]; 2] = [[51, 51, 51, 204], [153, 153, 153, 102]];
 
 fn used(second_uvs: bool) -> TextureUse {
@@ -72,7 +73,8 @@ fn each_texture_is_read_with_its_own_set() {
     }
 }
 
-/// What has no second set reads no texture of a material that asks for it, and one set calls for no more.
+/// What has no second set reads no texture of a material that asks for it, and one set calls for no
+/// more.
 #[test]
 fn the_second_set_is_there_where_it_is_read() {
     let one = prepared(floor([false, false]));

@@ -28,8 +28,8 @@ fn with_rays(mut scene: Scene, rays: u32, pattern: ShadowPattern) -> Scene {
     scene
 }
 
-/// Scenes with several lights, with an environment, with lights that only MIS samples well, with delta lights, and with a
-/// glossy surface.
+/// Scenes with several lights, with an environment, with lights that only MIS samples well, with
+/// delta lights, and with a glossy surface.
 const SCENES: [&str; 5] = [
     "lights_add_up",
     "sphere_half_below",
@@ -45,8 +45,8 @@ const WAYS: [(u32, ShadowPattern, LightSelection); 4] = [
     (4, ShadowPattern::Stratified, LightSelection::Power),
 ];
 
-/// Every unbiased way finds the scenes' exact values, and does not find values that are 2 % off, where that is nine of the
-/// image's standard errors.
+/// Every unbiased way finds the scenes' exact values, and does not find values that are 2 % off,
+/// where that is nine of the image's standard errors.
 #[test]
 fn exact_values_are_found_with_several_rays_and_every_light() {
     let context = context();
@@ -91,7 +91,8 @@ fn brighten(radiance: &mut ExpectedRadiance) {
     }
 }
 
-/// 64 × 64 pixels that all see the same point of the floor, at height 1 below the corner of a unit square.
+/// 64 × 64 pixels that all see the same point of the floor, at height 1 below the corner of a unit
+/// square.
 fn square_over_floor() -> Scene {
     let mut scene = floor_pixel();
     scene.film = FilmSize {
@@ -113,7 +114,8 @@ fn irradiance(u: DVec2) -> f64 {
     (1.0 + u.length_squared()).powi(-2)
 }
 
-/// Mean of [`irradiance`], and variance of the mean of one uniform point in each of `columns` × `rows` cells.
+/// Mean of [`irradiance`], and variance of the mean of one uniform point in each of `columns` ×
+/// `rows` cells.
 fn stratified_moments(columns: u32, rows: u32) -> (f64, f64) {
     let cells = f64::from(columns * rows);
     let edges = |i: u32, n: u32| [i, i + 1].map(|i| f64::from(i) / f64::from(n));
@@ -131,8 +133,8 @@ fn stratified_moments(columns: u32, rows: u32) -> (f64, f64) {
     (mean, variance)
 }
 
-/// p-value of the pixels' mean squared error being that of `samples` samples of this mean and variance, from its spread
-/// over the pixels, which are independent.
+/// p-value of the pixels' mean squared error being that of `samples` samples of this mean and
+/// variance, from its spread over the pixels, which are independent.
 fn level_p_value(film: &Film, (mean, variance): (f64, f64), samples: u64) -> f64 {
     let unit = FACTOR * FACTOR * variance;
     let squares: Moments = film
@@ -143,8 +145,8 @@ fn level_p_value(film: &Film, (mean, variance): (f64, f64), samples: u64) -> f64
     one_sample(&squares, 1.0 / samples as f64).unwrap().p_value
 }
 
-/// A camera sample's variance is that of one light sample over n with n random rays, and that of the strata with n
-/// stratified ones, which is less: the tests tell them apart.
+/// A camera sample's variance is that of one light sample over n with n random rays, and that of
+/// the strata with n stratified ones, which is less: the tests tell them apart.
 #[test]
 fn variance_falls_with_the_number_of_rays() {
     let context = context();
@@ -191,7 +193,8 @@ fn four_lights() -> (Scene, f64) {
     (scene, 0.5 / PI * irradiance)
 }
 
-/// Lights without extent leave nothing to chance when all of them have a shadow ray, or when each is chosen once.
+/// Lights without extent leave nothing to chance when all of them have a shadow ray, or when each
+/// is chosen once.
 #[test]
 fn every_light_leaves_no_variance_of_choice() {
     let context = context();
@@ -233,8 +236,8 @@ fn quadrature(rays: u32) -> f64 {
     cells.map(|c| irradiance((c + 0.5) / size)).sum::<f64>() / f64::from(rays)
 }
 
-/// With a single light nothing is random: every sample is the quadrature's value, whatever the sampler, and that is not
-/// the light's.
+/// With a single light nothing is random: every sample is the quadrature's value, whatever the
+/// sampler, and that is not the light's.
 #[test]
 fn center_and_grid_are_quadratures() {
     let context = context();
@@ -265,8 +268,8 @@ fn center_and_grid_are_quadratures() {
     }
 }
 
-/// With two lights every point of the grid meets both of them alike, in every pixel and with every sampler: the image
-/// converges to the sum of the lights' quadratures.
+/// With two lights every point of the grid meets both of them alike, in every pixel and with every
+/// sampler: the image converges to the sum of the lights' quadratures.
 #[test]
 fn every_point_of_a_grid_meets_every_light() {
     let context = context();
@@ -306,9 +309,10 @@ fn every_point_of_a_grid_meets_every_light() {
     }
 }
 
-/// Lights below the horizon get no ray, so that nothing but the loop over the rays, or over the lights, runs: over 256
-/// samples 2¹⁸ times and more, which is beyond what Mesa 22's lavapipe grants an invocation (65,535). The kernel notices
-/// that the loop was cut and goes on: no sample is short of its last light.
+/// Lights below the horizon get no ray, so that nothing but the loop over the rays, or over the
+/// lights, runs: over 256 samples 2¹⁸ times and more, which is beyond what Mesa 22's lavapipe
+/// grants an invocation (65,535). The kernel notices that the loop was cut and goes on: no sample
+/// is short of its last light.
 #[test]
 fn cut_loops_lose_no_shadow_ray() {
     let context = context();
@@ -338,8 +342,8 @@ fn cut_loops_lose_no_shadow_ray() {
     }
 }
 
-/// What makes no difference is not compiled in: a second ray that would be the first again, a pattern of points that are
-/// not there, a choice among one light.
+/// What makes no difference is not compiled in: a second ray that would be the first again, a
+/// pattern of points that are not there, a choice among one light.
 #[test]
 fn only_what_makes_a_difference_is_called_for() {
     let (points, _) = four_lights();

@@ -29,8 +29,8 @@ const TWIN_FILM: FilmSize = FilmSize {
     height: 30,
 };
 
-/// A floor with a microfacet lobe, and a lamp in the mirror direction: all pixels see a lobe, where those of `scenes/` are
-/// few.
+/// A floor with a microfacet lobe, and a lamp in the mirror direction: all pixels see a lobe, where
+/// those of `scenes/` are few.
 fn glossy_floor() -> Scene {
     let mut scene = floor_pixel();
     scene.materials[0].bsdf = Bsdf::Conductor {
@@ -46,8 +46,9 @@ fn glossy_floor() -> Scene {
     scene
 }
 
-/// The means of what surfaces reflect: every pair of strategies where scenes differ in how they are lit, one of each kind on
-/// the others. (Every strategy finds the exact values of `scenes/tests/`, too.)
+/// The means of what surfaces reflect: every pair of strategies where scenes differ in how they are
+/// lit, one of each kind on the others. (Every strategy finds the exact values of `scenes/tests/`,
+/// too.)
 #[test]
 fn strategies_agree_on_every_scene() {
     let context = context();
@@ -229,8 +230,8 @@ fn lights_of_very_different_power_have_the_same_mean_under_every_selection() {
     power.found(&COMMON_MISTAKES);
 }
 
-/// The Cornell box's image mean, by another renderer at 8,192 samples per pixel (Mitsuba 3.9.1, `direct`, box filter),
-/// which is known to five digits.
+/// The Cornell box's image mean, by another renderer at 8,192 samples per pixel (Mitsuba 3.9.1,
+/// `direct`, box filter), which is known to five digits.
 #[test]
 fn cornells_image_mean_is_the_reference_mean() {
     let exact = [0.16392, 0.11420, 0.05207];
@@ -259,8 +260,8 @@ fn cornells_image_mean_is_the_reference_mean() {
     power.found(&[BrokenTwin::LightLeftOut, BrokenTwin::ExtraCosine]);
 }
 
-/// A furnace: inside a sphere that emits 1 and reflects ρ in the form of a Lambert surface, a point of it sends
-/// 1 + ρ·1 to the camera, wherever one looks and whatever the strategy.
+/// A furnace: inside a sphere that emits 1 and reflects ρ in the form of a Lambert surface, a point
+/// of it sends 1 + ρ·1 to the camera, wherever one looks and whatever the strategy.
 #[test]
 fn a_furnace_is_as_bright_everywhere() {
     let context = context();

@@ -13,8 +13,8 @@ use std::f64::consts::PI;
 /// The map's one value: leans along both tangents.
 const TEXEL: [u8; 4] = [189, 82, 230, 255];
 
-/// A floor of reflectance ½ whose vertices have the tangent `tangent`, of sense `sense`, while its texture coordinates grow
-/// along x; light of irradiance 2π comes from `towards`.
+/// A floor of reflectance ½ whose vertices have the tangent `tangent`, of sense `sense`, while its
+/// texture coordinates grow along x; light of irradiance 2π comes from `towards`.
 fn floor(tangent: DVec3, sense: f64, towards: DVec3) -> Scene {
     let mut scene = floor_pixel();
     // From above, where every normal of the map is seen.
@@ -57,7 +57,8 @@ fn floor(tangent: DVec3, sense: f64, towards: DVec3) -> Scene {
     scene
 }
 
-/// ρE/π · n·l with n = x·t + y·w(n × t) + z·n (glTF 2.0, section 3.7.2.1), also where a tangent is not orthogonal to the normal.
+/// ρE/π · n·l with n = x·t + y·w(n × t) + z·n (glTF 2.0, section 3.7.2.1), also where a tangent is
+/// not orthogonal to the normal.
 #[test]
 fn normal_maps_turn_with_the_tangents() {
     let context = context();
@@ -83,7 +84,8 @@ fn normal_maps_turn_with_the_tangents() {
     }
 }
 
-/// Tangents that the texture coordinates give anyway call for nothing, nor do those without normals, which do not count.
+/// Tangents that the texture coordinates give anyway call for nothing, nor do those without
+/// normals, which do not count.
 #[test]
 fn tangents_that_change_nothing_are_left_out() {
     let calls_for = |scene: Scene| prepared(scene).effects.contains(Effect::Tangents);

@@ -41,8 +41,8 @@ fn test_scenes_say_what_they_prove_and_what_they_expect() {
     }
 }
 
-/// The largest relative standard error of what is compared: the image's mean, or pixels, as far as they are not 0. `None`
-/// where a channel of the mean must be 0.
+/// The largest relative standard error of what is compared: the image's mean, or pixels, as far as
+/// they are not 0. `None` where a channel of the mean must be 0.
 fn relative_error(film: &Film, scene: &Scene) -> Option<f64> {
     if let ExpectedRadiance::Pixels(_) = expected(scene).radiance {
         let of_pixel = |p: &Pixel| -> Option<f64> {
@@ -93,11 +93,12 @@ fn dimmer(expect: &Expect) -> Expect {
     }
 }
 
-/// Every strategy finds the exact values, and not those of lights 2 % dimmer: the check must be able to fail. It does wherever
-/// that, less twice what the value is uncertain by (it may be so much too large, and is allowed so much), is nine of the image's
-/// standard errors, so that chance may take 4.5 of them and as many remain, which is the case in two thirds of the renders (the
-/// rest are mostly scenes that must be black, and BSDF sampling of small lights). Under the scene's own strategy there are 2²⁰
-/// samples and more, none of which may be dropped.
+/// Every strategy finds the exact values, and not those of lights 2 % dimmer: the check must be
+/// able to fail. It does wherever that, less twice what the value is uncertain by (it may be so
+/// much too large, and is allowed so much), is nine of the image's standard errors, so that chance
+/// may take 4.5 of them and as many remain, which is the case in two thirds of the renders (the
+/// rest are mostly scenes that must be black, and BSDF sampling of small lights). Under the scene's
+/// own strategy there are 2²⁰ samples and more, none of which may be dropped.
 #[test]
 fn every_strategy_finds_the_exact_values_and_no_others() {
     let context = context();
@@ -138,8 +139,9 @@ fn every_strategy_finds_the_exact_values_and_no_others() {
     );
 }
 
-/// Lights that are 2 % brighter make an image that is 2 % brighter, whatever there is in the scene: with the same random numbers
-/// but for f32's rounding, which may also let a few samples choose another light.
+/// Lights that are 2 % brighter make an image that is 2 % brighter, whatever there is in the scene:
+/// with the same random numbers but for f32's rounding, which may also let a few samples choose
+/// another light.
 #[test]
 fn images_are_as_bright_as_their_lights() {
     let context = context();

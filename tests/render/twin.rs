@@ -1,8 +1,9 @@
 //! Pixel by pixel and as a whole, every strategy against its twin with random numbers of its own.
 //!
-//! Pairs of samples of one strategy are exchangeable, so that the test of their differences holds for tails of any
-//! weight. Pairs of different strategies are not: BSDF sampling that has not met a small light yet is dark in all its
-//! samples. Pixels of different strategies are therefore compared through their twins.
+//! Pairs of samples of one strategy are exchangeable, so that the test of their differences holds
+//! for tails of any weight. Pairs of different strategies are not: BSDF sampling that has not met a
+//! small light yet is dark in all its samples. Pixels of different strategies are therefore
+//! compared through their twins.
 
 use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes, prepared_for, scene, statistics};
 use direkt::low_level::gpu::recorder::Recorder;

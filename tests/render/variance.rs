@@ -15,7 +15,8 @@ use glam::DVec3;
 const RADIANCE: f64 = 10.0;
 /// Under the square, ρ = ½ (HARD CASES H).
 const EXACT: f64 = 1.197_282_352_303_87;
-/// Of one sample: area sampling of a unit square at distance 1 has the variance 0.0171781413180395 in E (HARD CASES E).
+/// Of one sample: area sampling of a unit square at distance 1 has the variance 0.0171781413180395
+/// in E (HARD CASES E).
 const VARIANCE: f64 = 0.017_178_141_318_039_5;
 /// Samples per pixel.
 const LEVELS: [u64; 3] = [4, 16, 64];
@@ -42,15 +43,16 @@ fn squares(film: &Film) -> Moments {
         .collect()
 }
 
-/// p-value of the squared errors' mean being 1/N, from their own spread over the pixels, which are independent.
+/// p-value of the squared errors' mean being 1/N, from their own spread over the pixels, which are
+/// independent.
 fn level_p_value(film: &Film, samples: u64) -> f64 {
     one_sample(&squares(film), 1.0 / samples as f64)
         .unwrap()
         .p_value
 }
 
-/// Slope of ln(mean squared error) against ln N over the first and last level, and its variance. Independent films; the
-/// logarithm's variance is that of the mean over its square.
+/// Slope of ln(mean squared error) against ln N over the first and last level, and its variance.
+/// Independent films; the logarithm's variance is that of the mean over its square.
 fn slope(first: &Film, last: &Film) -> (f64, f64) {
     let [a, b] = [squares(first), squares(last)];
     let span = (LEVELS[2] as f64 / LEVELS[0] as f64).ln();
@@ -100,7 +102,8 @@ fn variance_is_the_exact_one_over_the_number_of_samples() {
     statistics::accept(slope_p_value(&films[0], &films[2]), "slope of the error");
 }
 
-/// Under every strategy that has a variance there: slopes within 0.03 of −1, known five times as well.
+/// Under every strategy that has a variance there: slopes within 0.03 of −1, known five times as
+/// well.
 #[test]
 fn the_variance_of_every_strategy_falls_with_the_number_of_samples() {
     let context = context();
@@ -158,8 +161,8 @@ fn biased_twins_do_not_have_the_exact_variance() {
     }
 }
 
-/// A polygon light that is seen as a whole has no variance over its projected solid angle, whatever it is: each sample is
-/// ρ·L·F, up to f32's rounding. Over its solid angle it has the cosine's.
+/// A polygon light that is seen as a whole has no variance over its projected solid angle, whatever
+/// it is: each sample is ρ·L·F, up to f32's rounding. Over its solid angle it has the cosine's.
 #[test]
 fn projected_solid_angle_leaves_no_variance() {
     let context = context();

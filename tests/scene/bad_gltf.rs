@@ -168,7 +168,8 @@ fn wrong_types_and_values() {
     );
 }
 
-/// A short file whose nodes show the same mesh again and again is refused before its instances take memory.
+/// A short file whose nodes show the same mesh again and again is refused before its instances take
+/// memory.
 #[test]
 fn instances_without_end() {
     let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": 1 });

@@ -1,4 +1,5 @@
-//! Files for the scene tests: small ones written into a temporary folder, and real ones beside the checkout.
+//! Files for the scene tests: small ones written into a temporary folder, and real ones beside the
+//! checkout.
 
 #![allow(dead_code, reason = "each test crate uses a part of it")]
 
@@ -64,7 +65,8 @@ pub fn refused(text: &str) -> String {
     load_toml(text).expect_err("the scene must be refused")
 }
 
-/// A glTF with one triangle (0,0,0), (1,0,0), (0,1,0) as mesh 0 with indices, shown by node 0 of scene 0.
+/// A glTF with one triangle (0,0,0), (1,0,0), (0,1,0) as mesh 0 with indices, shown by node 0 of
+/// scene 0.
 pub fn triangle_gltf() -> Value {
     let mut bytes: Vec<u8> = Vec::new();
     for x in [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
@@ -94,7 +96,8 @@ pub fn triangle_gltf() -> Value {
     })
 }
 
-/// `json` with what `pointer` names replaced by `value` (added to an object where it is not there yet).
+/// `json` with what `pointer` names replaced by `value` (added to an object where it is not there
+/// yet).
 pub fn with(mut json: Value, pointer: &str, value: Value) -> Value {
     let (parent, key) = pointer.rsplit_once('/').expect("a JSON pointer");
     match json.pointer_mut(parent).expect("the parent exists") {

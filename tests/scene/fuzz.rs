@@ -12,7 +12,8 @@ use harness::{Inputs, Reader, Workplace, execute, guarded, kind, sound};
 /// Inputs per reader: together a few seconds.
 const INPUTS: usize = 2000;
 
-/// Whatever has become of a valid file, it is a scene that is fit for the GPU, or it is refused in one line.
+/// Whatever has become of a valid file, it is a scene that is fit for the GPU, or it is refused in
+/// one line.
 fn survives(reader: Reader) {
     let place = Workplace::new(reader).expect("a temporary folder can be made");
     for (number, seed) in reader.seeds().iter().enumerate() {
@@ -68,7 +69,8 @@ fn a_panic_is_a_failure() {
     assert_eq!(guarded(|| Ok(1)), Ok(1));
 }
 
-/// What `validate` refuses would have reached the GPU as an infinity, and is found where it is let through.
+/// What `validate` refuses would have reached the GPU as an infinity, and is found where it is let
+/// through.
 #[test]
 fn numbers_that_f32_does_not_hold_are_found() {
     let found = |text: &str| {

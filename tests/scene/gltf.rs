@@ -124,7 +124,8 @@ fn materials_emission_and_sides() {
     );
 }
 
-/// `ymag` is half the height of what is seen; the node's scale is none of the camera's, that of the including file is.
+/// `ymag` is half the height of what is seen; the node's scale is none of the camera's, that of the
+/// including file is.
 #[test]
 fn orthographic_cameras() {
     let nodes = json!([{ "mesh": 0, "camera": 0, "scale": [3, 3, 3] }]);

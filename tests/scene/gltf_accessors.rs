@@ -118,7 +118,8 @@ fn bad_sparse_accessors_are_named() {
     );
 }
 
-/// Every component type of KHR_mesh_quantization, as it is and normalised; −128 means −1 as −127 does.
+/// Every component type of KHR_mesh_quantization, as it is and normalised; −128 means −1 as −127
+/// does.
 #[test]
 fn quantized_attributes() {
     let halves = |n: i16| n.to_le_bytes();
@@ -192,7 +193,8 @@ fn quantized_texture_coordinates() {
     }
 }
 
-/// Strips and fans with indices of every type, and without; the largest value of a type begins a new one.
+/// Strips and fans with indices of every type, and without; the largest value of a type begins a
+/// new one.
 #[test]
 fn strips_and_fans_begin_anew_at_the_largest_index() {
     let corner = |i: usize| DVec3::new((i % 2) as f64, (i / 2) as f64, 0.0);
@@ -252,7 +254,8 @@ fn points_lines_and_vertices_without_positions_are_left_out_with_a_sentence() {
     );
 }
 
-/// Elements between others' data, a stride of 0 for closely packed ones, and indices from the middle of their view.
+/// Elements between others' data, a stride of 0 for closely packed ones, and indices from the
+/// middle of their view.
 #[test]
 fn strides_and_offsets() {
     let mut builder = Builder::new();

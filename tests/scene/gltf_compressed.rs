@@ -5,9 +5,9 @@ use base64::Engine;
 use glam::DVec3;
 use serde_json::{Value, json};
 
-/// 16 points (x, y, ¼·((x + y) mod 2)), x and y from 0 to 3, of two triangles per square, with normals +z and texture
-/// coordinates (x, y)/3, by Draco 1.5's C++ encoder, quantized to 14, 10 and 12 bits: by EdgeBreaker with the valence
-/// traversal, by the standard one, and in sequence.
+/// 16 points (x, y, ¼·((x + y) mod 2)), x and y from 0 to 3, of two triangles per square, with
+/// normals +z and texture coordinates (x, y)/3, by Draco 1.5's C++ encoder, quantized to 14, 10 and
+/// 12 bits: by EdgeBreaker with the valence traversal, by the standard one, and in sequence.
 const GRIDS: [&str; 3] = [
     "RFJBQ08CAgEBAAAAEBICEgMABt/Tp1p9Cv8BEf8Ca0H/AmtBA/8AAQAAAAEAAAEACQMAAgIBAwkCAQACAQEJAwABAwEBAQAPAwEcJwEQAQgBDAYAq8NxD4yr6qoKAKSqqSoAoKoCAKoKAAAAoKoAAAAAVBUAAICpCgAAAFUFAABgqgIAAEBVAQAAAAD/PwAAAAAAAAAAAAAAAAAAAABAQA4FAQEADQMBCBMBFAEcCwEIBgCzqoQ/hqu6qqmaqlHq58DAJyAqaiBqYCAKoAKonwNQAQOfAA4AAAASA/gwggAAAAD/DwAAAAAAAAAAAAAAAIA/DAYDAQEFuAcBGIsBEL8BBP//////////////+wEE/4MBEAsACu2LtlKHDYBggP8DAAD/AQAA/wIRQQo=",
     "RFJBQ08CAgEBAAAAEBIAEgMABt/Tp1p9Cv8BEQH/AAADAwkCAQABCQMAAQAJAwACAgMCAAEBAA0vAUABAKu6qqmaqqoKAKmaqqkKAACgqqqqqqqqqqoKAACQqgCQqqmaqqoKAKwaAKmaqgCgqgAAAAD/DwAAAAMBAAoDATwbAQQDAJ+JAP4DAAAA/wMAAP8BAAAAAQEADzcBQAEAq+qqCgCkqqkqAKCqAgCqSqqaqgIAqSoAkKoAAKqqqqKqqqoAgKqqqgIAqioAkKoAAKmqqgIApKqpSqqaqgIAqioAoKqwqgFAqpKqpqoAAACgqqoqAAAAAP8/AAAAAAAAAAAAAAAAgD8MCgAAAAAAAAAAAAAAAAAAQEAO",

@@ -1,4 +1,5 @@
-//! What holds a glTF: GLB chunks, JSON however it was written, and the names and the data of buffers.
+//! What holds a glTF: GLB chunks, JSON however it was written, and the names and the data of
+//! buffers.
 
 use super::files::{Folder, glb, load_gltf, triangle_glb, triangle_gltf, with};
 use direkt::scene::{Geometry, Scene};

@@ -6,7 +6,8 @@ use direkt::scene::Scene;
 use glam::DVec2;
 use serde_json::{Value, json};
 
-/// The triangle with TEXCOORD_0 … TEXCOORD_3, whose last corner is (0, n) in TEXCOORD_n, and texture 0, under `material`.
+/// The triangle with TEXCOORD_0 … TEXCOORD_3, whose last corner is (0, n) in TEXCOORD_n, and
+/// texture 0, under `material`.
 fn coordinates(material: Value) -> Builder {
     let mut builder = Builder::new();
     let positions = builder.floats(&TRIANGLE);
@@ -33,7 +34,8 @@ fn sets(scene: &Scene) -> [Option<f64>; 2] {
     [&mesh.uvs, &mesh.second_uvs].map(|uvs| uvs.last().map(|uv| uv.y))
 }
 
-/// The first two sets that the material names, in that order, whatever their numbers; KHR_texture_transform has the last word.
+/// The first two sets that the material names, in that order, whatever their numbers;
+/// KHR_texture_transform has the last word.
 #[test]
 fn a_material_reads_two_sets() {
     let moved = json!({ "KHR_texture_transform": { "texCoord": 3, "offset": [0.5, 0] } });
@@ -92,7 +94,8 @@ fn a_third_set_is_named() {
     );
 }
 
-/// Two primitives have the same material, and one of them one of its two sets: each reads what it can.
+/// Two primitives have the same material, and one of them one of its two sets: each reads what it
+/// can.
 #[test]
 fn a_primitive_without_one_of_the_sets_reads_the_other() {
     for missing in [0, 1] {

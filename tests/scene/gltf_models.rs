@@ -1,5 +1,5 @@
-//! Materials of glTF beyond metallic and roughness: unlit, specular and glossiness, glass under textures; textures whose
-//! image is another or none.
+//! Materials of glTF beyond metallic and roughness: unlit, specular and glossiness, glass under
+//! textures; textures whose image is another or none.
 
 use super::files::{Folder, load_gltf, triangle_gltf, with};
 use super::textures::png;
@@ -22,7 +22,8 @@ fn uri(bytes: &[u8]) -> Value {
     json!({ "uri": format!("data:application/octet-stream;base64,{data}") })
 }
 
-/// The triangle with texture coordinates and with `material`, whose textures are `images` in their order.
+/// The triangle with texture coordinates and with `material`, whose textures are `images` in their
+/// order.
 fn gltf(material: Value, images: &[Vec<u8>]) -> Value {
     let mut json = with(triangle_gltf(), "/materials", json!([material]));
     let corners = [0.0f32, 0.0, 1.0, 0.0, 0.0, 1.0];
@@ -448,8 +449,8 @@ fn normal_maps_follow_the_given_tangents() {
     }
 }
 
-/// Glass with metal in parts, glossiness from a texture, tangents and an unlit surface, before a bright wall: the GPU's means
-/// are the twin's.
+/// Glass with metal in parts, glossiness from a texture, tangents and an unlit surface, before a
+/// bright wall: the GPU's means are the twin's.
 #[test]
 fn models_are_the_twins() {
     let folder = Folder::new();

@@ -97,7 +97,8 @@ fn instances_are_scaled_turned_and_moved_within_their_node() {
     );
 }
 
-/// Rotations as normalised bytes and shorts; instances of scale 0 are hidden; without attributes the mesh is there once.
+/// Rotations as normalised bytes and shorts; instances of scale 0 are hidden; without attributes
+/// the mesh is there once.
 #[test]
 fn instances_by_one_attribute() {
     let bytes_of = [0u8, 0, 0x80, 0];
@@ -213,7 +214,8 @@ fn point_lights_have_no_direction() {
     );
 }
 
-/// `aspectRatio` and `zfar` are optional: the image has an aspect of its own, and nothing ends in the distance.
+/// `aspectRatio` and `zfar` are optional: the image has an aspect of its own, and nothing ends in
+/// the distance.
 #[test]
 fn cameras_need_neither_aspect_nor_far_plane() {
     for perspective in [

@@ -4,7 +4,8 @@ use super::builder::{Builder, CORNERS, TRIANGLE, bytes, mesh_of, triangles_of};
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 
-/// The triangle with two targets: the first lifts its last corner and turns its normals, the second moves all by x.
+/// The triangle with two targets: the first lifts its last corner and turns its normals, the second
+/// moves all by x.
 fn morphing(node: Value, of_mesh: Value) -> Builder {
     let mut builder = Builder::new();
     let positions = builder.floats(&TRIANGLE);
@@ -117,8 +118,8 @@ fn matrix(s: [f32; 3], at: [f32; 3]) -> [f32; 16] {
     m
 }
 
-/// The triangle under a skin with two joints: node 1 is the first, node 2 below it the second. Corners 0 and 1 follow the
-/// first, corner 2 half of each.
+/// The triangle under a skin with two joints: node 1 is the first, node 2 below it the second.
+/// Corners 0 and 1 follow the first, corner 2 half of each.
 fn skinned() -> Builder {
     let mut builder = Builder::new();
     let positions = builder.floats(&TRIANGLE);
@@ -150,8 +151,9 @@ fn skinned() -> Builder {
     builder
 }
 
-/// Joint 0 moves by (0, 0, 5). Joint 1 stands at (0, 1, 5), where it was bound but for that move, turned about x by 90°: it
-/// leaves (0, 1, 0) where it is, and takes (0, 0, 1) to (0, −1, 0). The mesh's own node has no part in it.
+/// Joint 0 moves by (0, 0, 5). Joint 1 stands at (0, 1, 5), where it was bound but for that move,
+/// turned about x by 90°: it leaves (0, 1, 0) where it is, and takes (0, 0, 1) to (0, −1, 0). The
+/// mesh's own node has no part in it.
 #[test]
 fn skins_take_vertices_where_their_joints_stand() {
     let scene = skinned().scene();
@@ -161,7 +163,8 @@ fn skins_take_vertices_where_their_joints_stand() {
     assert!(c.distance(up + DVec3::Y) < 1e-6, "{c}");
     let normals = &mesh_of(&scene, 0).normals;
     assert!(normals[0].normalize().distance(DVec3::Z) < 1e-6);
-    // The mean of both matrices, its inverse transposed: (0, −1, 1), which a turn by 45° has as well.
+    // The mean of both matrices, its inverse transposed: (0, −1, 1), which a turn by 45° has as
+    // well.
     let expected = DVec3::new(0.0, -1.0, 1.0).normalize();
     assert!(
         normals[2].normalize().distance(expected) < 1e-6,
@@ -174,7 +177,8 @@ fn skins_take_vertices_where_their_joints_stand() {
     );
 }
 
-/// More than four joints per vertex, weights as integers, and joints outside of the scene; no inverse bind matrices.
+/// More than four joints per vertex, weights as integers, and joints outside of the scene; no
+/// inverse bind matrices.
 #[test]
 fn skins_with_two_sets_of_joints() {
     let mut builder = Builder::new();

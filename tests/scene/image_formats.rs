@@ -102,8 +102,8 @@ fn kinds_of_png_are_decoded() {
     check("16 bits", &texture("words.png", &words), 1, [200, 100, 1]);
 }
 
-/// Constant images, so that they are factors: a grey one, and one of cyan, magenta, yellow and black as Adobe writes it,
-/// inverted: (255, 128, 64) without black.
+/// Constant images, so that they are factors: a grey one, and one of cyan, magenta, yellow and
+/// black as Adobe writes it, inverted: (255, 128, 64) without black.
 #[test]
 fn kinds_of_jpeg_are_decoded() {
     let reflectance = |bytes: &[u8]| {

@@ -187,7 +187,8 @@ fn what_a_library_lacks_is_named() {
     );
 }
 
-/// Files that are named and not shown count as the scene's all the same, so that nothing overwrites them.
+/// Files that are named and not shown count as the scene's all the same, so that nothing overwrites
+/// them.
 #[test]
 fn maps_that_are_not_shown_are_files_of_the_scene() {
     let mtl = "newmtl red\nKd 1 1 1\nmap_Ks shiny.png\nmap_bump -bm 0.5 rough.png\ndisp high.png\nnewmtl unused\nmap_Kd wood.png\n";

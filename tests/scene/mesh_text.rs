@@ -149,7 +149,8 @@ fn obj_errors_name_their_line() {
     );
 }
 
-/// Numbers that the parser does not know, blank lines, names with other characters, two properties of one name.
+/// Numbers that the parser does not know, blank lines, names with other characters, two properties
+/// of one name.
 #[test]
 fn ply_files_in_all_spellings() {
     let square = load("m.obj", SQUARE);
@@ -175,7 +176,8 @@ fn ply_files_in_all_spellings() {
     );
 }
 
-/// Every width of list and index, in both orders of bytes, behind a header of lines that end in CR LF.
+/// Every width of list and index, in both orders of bytes, behind a header of lines that end in CR
+/// LF.
 #[test]
 fn binary_ply_files_of_every_width() {
     let square = load("m.obj", SQUARE);

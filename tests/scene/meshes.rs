@@ -131,7 +131,8 @@ fn truncated_ply_files_are_refused() {
     for bytes in [ascii().into_bytes(), binary(false)] {
         for length in 0..bytes.len() {
             let loaded = load_mesh("m.ply", &bytes[..length]);
-            // Whole elements may be missing from an ascii file only by a missing last digit or newline.
+            // Whole elements may be missing from an ascii file only by a missing last digit or
+            // newline.
             assert!(loaded.is_err() || length + 2 >= bytes.len(), "{length}");
         }
     }

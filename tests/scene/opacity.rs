@@ -1,4 +1,5 @@
-//! Opacities from files: `alphaMode` of glTF, and TOML's `opacity`, `alpha_cutoff` and `textures.opacity`.
+//! Opacities from files: `alphaMode` of glTF, and TOML's `opacity`, `alpha_cutoff` and
+//! `textures.opacity`.
 
 use super::files::{Folder, load_gltf, triangle_gltf, with};
 use super::textures::{png, with_texture};
@@ -90,7 +91,8 @@ fn what_makes_no_difference_is_folded() {
     assert!(scene.materials[0].opacity.texture.is_some());
 }
 
-/// Opaque where α ≥ cutoff (glTF 2.0, section 3.9.4), however a texture holds α and however the file writes the cutoff.
+/// Opaque where α ≥ cutoff (glTF 2.0, section 3.9.4), however a texture holds α and however the
+/// file writes the cutoff.
 #[test]
 fn alphas_that_equal_the_cutoff_are_opaque() {
     let at = |scene: &Scene, x: u32| {

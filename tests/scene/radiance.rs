@@ -1,4 +1,5 @@
-//! Radiance pictures as environment maps: every layout, encoding and header line that says something of colours.
+//! Radiance pictures as environment maps: every layout, encoding and header line that says
+//! something of colours.
 
 use super::files::Folder;
 use direkt::scene::{EnvironmentRadiance, Scene};
@@ -98,7 +99,8 @@ fn first_lines_of_any_program_are_known() {
     check("no FORMAT", &file("#?RGBE", "-Y 3 +X 9", rows()), |v| v);
 }
 
-/// EXPOSURE and COLORCORR are what radiances were multiplied by, all lines together; indented lines are other pictures'.
+/// EXPOSURE and COLORCORR are what radiances were multiplied by, all lines together; indented lines
+/// are other pictures'.
 #[test]
 fn exposures_are_divided_out() {
     let lines = |lines: &str| file(&format!("{HEAD}\n{lines}"), "-Y 3 +X 9", rows());

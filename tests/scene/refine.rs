@@ -12,7 +12,8 @@ use std::collections::HashMap;
 /// Half the side or the radius of what is cut.
 const LARGE: f64 = 1e8;
 
-/// `geometry`, before the camera that sees the origin, as it is cut; everything else about its shape stays.
+/// `geometry`, before the camera that sees the origin, as it is cut; everything else about its
+/// shape stays.
 fn refined(geometry: Geometry) -> Mesh {
     let mut scene = floor_pixel();
     let before = Shape {
@@ -37,8 +38,9 @@ fn refined(geometry: Geometry) -> Mesh {
     mesh
 }
 
-/// The mesh lies in the plane z = 0 and faces up, and its triangles cover a region of `area`, up to the part `inexact`, once:
-/// none is turned, and every edge is either one of two triangles or on the border.
+/// The mesh lies in the plane z = 0 and faces up, and its triangles cover a region of `area`, up to
+/// the part `inexact`, once: none is turned, and every edge is either one of two triangles or on
+/// the border.
 fn assert_covers(mesh: &Mesh, (area, inexact): (f64, f64), on_border: impl Fn(DVec2) -> bool) {
     let corners = |t: &[u32; 3]| t.map(|i| mesh.positions[i as usize].truncate());
     let areas = mesh.triangles.iter().map(|t| {
@@ -90,8 +92,8 @@ fn a_cut_rectangle_is_the_same_rectangle() {
     }
 }
 
-/// Attributes are what interpolation over the two triangles gives at the same point; normals that differ by more than a right
-/// angle, too.
+/// Attributes are what interpolation over the two triangles gives at the same point; normals that
+/// differ by more than a right angle, too.
 #[test]
 fn a_cut_mesh_has_its_attributes_at_the_same_points() {
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
@@ -146,8 +148,8 @@ fn a_cut_mesh_has_its_attributes_at_the_same_points() {
     }
 }
 
-/// Around the view, and with its border through the view: the chords of the border lie within 2⁻¹⁶ of what is in view there, or
-/// of the distance.
+/// Around the view, and with its border through the view: the chords of the border lie within 2⁻¹⁶
+/// of what is in view there, or of the distance.
 #[test]
 fn a_cut_disk_is_the_same_disk() {
     for center in [DVec2::ZERO, DVec2::X * LARGE] {

@@ -19,7 +19,8 @@ fn the_number_has_bounds() {
     }
 }
 
-/// So many shadow rays that a camera ray cannot have them; without light sampling, and to points, there are fewer.
+/// So many shadow rays that a camera ray cannot have them; without light sampling, and to points,
+/// there are fewer.
 #[test]
 fn too_many_shadow_rays() {
     let scene = |settings: &str, light: &str| {

@@ -217,7 +217,8 @@ fn refused(textures: &str, files: &[(&str, Vec<u8>)]) -> String {
 #[test]
 fn bad_textures_are_named() {
     let mut header = png(&[[1, 2, 3]]);
-    // A PNG's width and height, here 40,000 each, are bytes 16 to 23, and bytes 29 to 32 their checksum.
+    // A PNG's width and height, here 40,000 each, are bytes 16 to 23, and bytes 29 to 32 their
+    // checksum.
     header[16..24].copy_from_slice(&[0, 0, 0x9c, 0x40, 0, 0, 0x9c, 0x40]);
     header[29..33].copy_from_slice(&[0xde, 0x6e, 0x99, 0x52]);
     let color = |file: &str| format!("textures.color = {{ file = \"{file}\" }}");
@@ -254,7 +255,8 @@ fn gltf_attributes_are_as_many_as_positions() {
     );
 }
 
-/// A material with textures on what no texture can be laid over is worth a warning each, and on a rectangle none.
+/// A material with textures on what no texture can be laid over is worth a warning each, and on a
+/// rectangle none.
 #[test]
 fn textures_without_coordinates_are_told() {
     let folder = Folder::new();

@@ -215,7 +215,8 @@ fn color_0_in_all_its_types() {
     );
 }
 
-/// Alpha is a factor on the opacity under BLEND and MASK alone, and folded away where it is the same everywhere.
+/// Alpha is a factor on the opacity under BLEND and MASK alone, and folded away where it is the
+/// same everywhere.
 #[test]
 fn alpha_of_color_0_follows_the_alpha_mode() {
     let colors = |alphas: [u8; 3]| alphas.map(|a| [255, 255, 255, a]).concat();

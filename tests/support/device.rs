@@ -28,8 +28,8 @@ thread_local! {
     static LEASE: Lease = Lease::take();
 }
 
-/// A device that this test has for itself until it ends. Tests that lose their device open one of their own. No adapter is a
-/// failure.
+/// A device that this test has for itself until it ends. Tests that lose their device open one of
+/// their own. No adapter is a failure.
 pub fn context() -> &'static Context {
     LEASE.with(|lease| lease.0)
 }
@@ -40,8 +40,8 @@ fn open() -> Context {
     })
 }
 
-/// Runs the test `name` in a process of its own, in which lavapipe compiles kernels without optimising them: for kernels that
-/// take long to compile and render little. `test` is its body.
+/// Runs the test `name` in a process of its own, in which lavapipe compiles kernels without
+/// optimising them: for kernels that take long to compile and render little. `test` is its body.
 pub fn in_a_process_that_compiles_fast(name: &str, test: impl FnOnce()) {
     const VARIABLE: &str = "GALLIVM_PERF";
     if std::env::var_os(VARIABLE).is_some() {

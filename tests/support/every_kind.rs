@@ -9,8 +9,8 @@ use direkt::scene::{
 };
 use glam::{DMat3, DVec3};
 
-/// Every kind of primitive as a light and as a one-sided surface, every kind of light without a surface, and
-/// `environment`. Nothing is parallel to an axis but the floor.
+/// Every kind of primitive as a light and as a one-sided surface, every kind of light without a
+/// surface, and `environment`. Nothing is parallel to an axis but the floor.
 pub fn every_kind(environment: Environment) -> Scene {
     let mut scene = floor_pixel();
     scene.materials = vec![

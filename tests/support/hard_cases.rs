@@ -1,8 +1,9 @@
 //! The hard cases: what breaks renderers that compute in f32, and that direkt survives it.
 //!
-//! A test hands what it measured to [`survive`]: the figure of the textbook's way, which has to be beyond the bound, or else
-//! the test would prove nothing, and the figure of direkt's. With the environment variable `DIREKT_HARD_CASES` set, a run of
-//! the whole suite writes them to `docs/hard-cases/` and from these `docs/hard-cases.md`.
+//! A test hands what it measured to [`survive`]: the figure of the textbook's way, which has to be
+//! beyond the bound, or else the test would prove nothing, and the figure of direkt's. With the
+//! environment variable `DIREKT_HARD_CASES` set, a run of the whole suite writes them to
+//! `docs/hard-cases/` and from these `docs/hard-cases.md`.
 
 pub mod document;
 
@@ -109,7 +110,8 @@ pub struct Measured<'a> {
 
 static MEASURED: Mutex<Vec<(String, HardCase)>> = Mutex::new(Vec::new());
 
-/// Fails unless direkt's figure is within the bound and the textbook's is beyond it, or not finite. Both are entered.
+/// Fails unless direkt's figure is within the bound and the textbook's is beyond it, or not finite.
+/// Both are entered.
 #[track_caller]
 pub fn survive(context: &Context, measured: Measured<'_>) {
     let (naive, bound) = (measured.naive, measured.bound);
@@ -125,8 +127,8 @@ pub fn survive(context: &Context, measured: Measured<'_>) {
     check_and_enter(context, measured, false);
 }
 
-/// The same where it is for the driver to decide whether the textbook's way does: on one of the drivers of the page it must
-/// not.
+/// The same where it is for the driver to decide whether the textbook's way does: on one of the
+/// drivers of the page it must not.
 #[track_caller]
 pub fn survive_by_driver(context: &Context, measured: Measured<'_>) {
     check_and_enter(context, measured, true);

@@ -48,7 +48,8 @@ pub fn p_value(samples: &[DVec2], low: DVec2, high: DVec2, pdf: impl Fn(DVec2) -
         .p_value
 }
 
-/// The same for unit vectors with density `pdf` per solid angle: cells of azimuth and z have equal solid angles.
+/// The same for unit vectors with density `pdf` per solid angle: cells of azimuth and z have equal
+/// solid angles.
 pub fn directions_p_value(samples: &[DVec3], pdf: impl Fn(DVec3) -> f64) -> f64 {
     let flat: Vec<DVec2> = samples
         .iter()

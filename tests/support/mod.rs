@@ -43,7 +43,8 @@ pub const STRATEGIES: [Strategy; 8] = [
 pub const KINDS_OF_STRATEGIES: [Strategy; 3] =
     [Strategy::LightArea, Strategy::Bsdf, Strategy::MisPower];
 
-/// Runs `last`, which must not unwind, when the process ends: the test harness offers nothing of the kind.
+/// Runs `last`, which must not unwind, when the process ends: the test harness offers nothing of
+/// the kind.
 pub fn at_exit(last: extern "C" fn()) {
     unsafe extern "C" {
         fn atexit(function: extern "C" fn()) -> i32;
@@ -65,16 +66,16 @@ pub fn scene_as_it_is(path: &str) -> Scene {
     load(&project(path), &LoadOptions::default()).unwrap()
 }
 
-/// Loads a scene of the project, with the independent samples that most tests of chance rest on; tests of other samplers
-/// say so.
+/// Loads a scene of the project, with the independent samples that most tests of chance rest on;
+/// tests of other samplers say so.
 pub fn scene(path: &str) -> Scene {
     let mut scene = scene_as_it_is(path);
     scene.render.estimator.sampler = Sampler::Independent;
     scene
 }
 
-/// A file or folder of `../shared`, beside the checkout. Where it is missing this says so, past the test harness, which
-/// would swallow it, and gives `None`.
+/// A file or folder of `../shared`, beside the checkout. Where it is missing this says so, past the
+/// test harness, which would swallow it, and gives `None`.
 pub fn shared(name: &str) -> Option<PathBuf> {
     use std::io::Write;
     let path = project("../shared").join(name);
@@ -192,8 +193,8 @@ pub fn unit_square() -> Geometry {
     }
 }
 
-/// One pixel that sees the origin of the plane z = 0 (normal +z, Lambert with ρ = ½), so small that what it sees
-/// does not vary; a square of side 20 around the origin stands for the plane.
+/// One pixel that sees the origin of the plane z = 0 (normal +z, Lambert with ρ = ½), so small that
+/// what it sees does not vary; a square of side 20 around the origin stands for the plane.
 pub fn floor_pixel() -> Scene {
     let floor = Geometry::Rectangle {
         corner: DVec3::new(-10.0, -10.0, 0.0),
@@ -232,8 +233,8 @@ pub fn point_light(position: DVec3, intensity: f64) -> Light {
     })
 }
 
-/// Asserts that the one pixel of `film` is `expected` in every channel, as tests of the family with the pixel's own
-/// standard error and a relative 2e-5 of f32 rounding.
+/// Asserts that the one pixel of `film` is `expected` in every channel, as tests of the family with
+/// the pixel's own standard error and a relative 2e-5 of f32 rounding.
 pub fn assert_pixel(film: &Film, expected: f64, what: &str) {
     let pixel = &film.pixels[0];
     let error = pixel.variance_of_mean().expect("two samples or more");
@@ -248,8 +249,8 @@ pub fn assert_pixel(film: &Film, expected: f64, what: &str) {
     }
 }
 
-/// Points of the unit square that samplers are tested on: all pairs of 0, 2⁻²⁴, ½ ∓ 2⁻²⁴, ½, 1 − 2⁻²⁴ and a few
-/// more, and 1,000 of a lattice.
+/// Points of the unit square that samplers are tested on: all pairs of 0, 2⁻²⁴, ½ ∓ 2⁻²⁴, ½, 1 −
+/// 2⁻²⁴ and a few more, and 1,000 of a lattice.
 pub fn edge_points() -> Vec<glam::DVec2> {
     let tiny = (-24_f64).exp2();
     let edges = [

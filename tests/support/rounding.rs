@@ -1,9 +1,10 @@
 //! Bounds on the rounding of f32.
 //!
-//! A sum, difference or product is off by a relative [`U`] at most; WGSL allows a quotient 2.5 units in the last place,
-//! that is 5 U, and a square root, as the reciprocal of `inverseSqrt`, 9 U. A dot product of three components is off by
-//! 3 U times the sum of its terms' magnitudes, in any order and fused or not (Higham 2002, §3.1). Bounds of tests are
-//! sums of these, to first order in U.
+//! A sum, difference or product is off by a relative [`U`] at most; WGSL allows a quotient 2.5
+//! units in the last place, that is 5 U, and a square root, as the reciprocal of `inverseSqrt`, 9
+//! U. A dot product of three components is off by 3 U times the sum of its terms' magnitudes, in
+//! any order and fused or not (Higham 2002, §3.1). Bounds of tests are sums of these, to first
+//! order in U.
 
 use glam::DVec3;
 
@@ -33,8 +34,8 @@ pub fn assert_all_near(got: DVec3, expected: DVec3, bound: f64, what: impl std::
     }
 }
 
-/// Fails unless a density per area times the area is one, within `bound`. `element(x, y)` is the area element of a map
-/// of the unit square onto the surface, whose integral is the area.
+/// Fails unless a density per area times the area is one, within `bound`. `element(x, y)` is the
+/// area element of a map of the unit square onto the surface, whose integral is the area.
 #[track_caller]
 pub fn assert_integrates_to_one(
     density: f64,

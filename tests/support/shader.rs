@@ -1,7 +1,7 @@
 //! The shader test harness: names a WGSL function, gives inputs, gets outputs.
 //!
-//! A one-entry kernel is linked around the function. Its output buffer is poisoned first, and every slot has to have
-//! been written. The function may use a scene's bindings.
+//! A one-entry kernel is linked around the function. Its output buffer is poisoned first, and every
+//! slot has to have been written. The function may use a scene's bindings.
 
 use super::floor_pixel;
 use direkt::low_level::gpu::kernel::{KernelDescriptor, READ_WRITE};
@@ -21,9 +21,10 @@ const READ: wgpu::BindingType = wgpu::BindingType::Buffer {
 
 /// A WGSL function under test.
 ///
-/// `body` runs once per item. It reads the item's input words with `in_u32(i)`, `in_f32(i)`, `in_vec2f(i)`,
-/// `in_vec3f(i)` and writes its output words with `out_u32(i, x)`, `out_bool(i, x)`, `out_f32(i, x)`, `out_vec2f(i, x)`,
-/// `out_vec3f(i, x)`, where `i` is the number of the first word; `item` is the item's number.
+/// `body` runs once per item. It reads the item's input words with `in_u32(i)`, `in_f32(i)`,
+/// `in_vec2f(i)`, `in_vec3f(i)` and writes its output words with `out_u32(i, x)`, `out_bool(i, x)`,
+/// `out_f32(i, x)`, `out_vec2f(i, x)`, `out_vec3f(i, x)`, where `i` is the number of the first
+/// word; `item` is the item's number.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Function<'a> {
     /// `import package::…;` lines.
@@ -94,7 +95,8 @@ fn empty() -> Prepared {
     Prepared::of(floor_pixel())
 }
 
-/// Runs `function` on `count` items with the scene bound. The frame is that of the scene's film and seed.
+/// Runs `function` on `count` items with the scene bound. The frame is that of the scene's film and
+/// seed.
 ///
 /// # Panics
 /// The kernel does not link, or a slot was not written.

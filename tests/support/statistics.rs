@@ -1,7 +1,9 @@
-//! The family of statistical tests of the suite: no false alarm in any of them with probability 1 − 1e-4.
+//! The family of statistical tests of the suite: no false alarm in any of them with probability 1 −
+//! 1e-4.
 //!
-//! Every test that rests on chance hands its p-value to [`accept`], and every power test, which a broken twin has to fail,
-//! to [`reject`]. When the suite ends, it prints how many there were and the smallest p-value.
+//! Every test that rests on chance hands its p-value to [`accept`], and every power test, which a
+//! broken twin has to fail, to [`reject`]. When the suite ends, it prints how many there were and
+//! the smallest p-value.
 
 use direkt::low_level::reference::BrokenTwin;
 use direkt::low_level::reference::broken::BROKEN_TWINS;
@@ -64,8 +66,8 @@ pub fn reject(p: f64, what: &str) {
     );
 }
 
-/// Rejects the p-value that each broken twin gets from `p_value`, which is `None` where the mistake does not concern what
-/// is tested. One of them has to concern it.
+/// Rejects the p-value that each broken twin gets from `p_value`, which is `None` where the mistake
+/// does not concern what is tested. One of them has to concern it.
 pub fn reject_broken(what: &str, p_value: impl Fn(BrokenTwin) -> Option<f64>) {
     let mut concerned = false;
     for row in BROKEN_TWINS {
@@ -77,8 +79,9 @@ pub fn reject_broken(what: &str, p_value: impl Fn(BrokenTwin) -> Option<f64>) {
     assert!(concerned, "{what}: no broken twin to reject");
 }
 
-/// p-value of the hypothesis that pairs of uniform numbers of [0, 1) are independent: under it the mean of
-/// (a − ½)(b − ½) over N pairs has the variance 1/(144 N). The longer slice's rest is left out.
+/// p-value of the hypothesis that pairs of uniform numbers of [0, 1) are independent: under it the
+/// mean of (a − ½)(b − ½) over N pairs has the variance 1/(144 N). The longer slice's rest is left
+/// out.
 pub fn correlation_p_value(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len().min(b.len()) as f64;
     let products = a.iter().zip(b).map(|(a, b)| (a - 0.5) * (b - 0.5));

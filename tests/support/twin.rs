@@ -1,4 +1,5 @@
-//! Films of the reference, honest or broken, and the tests of image means that they and renders share.
+//! Films of the reference, honest or broken, and the tests of image means that they and renders
+//! share.
 
 use super::statistics;
 use direkt::low_level::gpu::Context;
@@ -13,8 +14,8 @@ use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::{FilmSize, Sampler};
 use glam::DVec3;
 
-/// How far rounding in f32 may move a mean, relative to it (HARD CASES, pass criterion; positions and offsets of rays
-/// add the rest).
+/// How far rounding in f32 may move a mean, relative to it (HARD CASES, pass criterion; positions
+/// and offsets of rays add the rest).
 const ROUNDING: f64 = 2e-5;
 
 /// All mistakes but swapped sine and cosine, by which some means hardly change.
@@ -31,7 +32,8 @@ pub const COMMON_MISTAKES: [BrokenTwin; 5] = [
 pub enum Part {
     /// All of it.
     All,
-    /// What the surface reflects: without the lamps in sight, whose borders are the noise of many an image's mean.
+    /// What the surface reflects: without the lamps in sight, whose borders are the noise of many
+    /// an image's mean.
     Reflected,
 }
 
@@ -94,7 +96,8 @@ fn film_of(size: FilmSize, samples: u64, radiance: impl Fn(u64) -> Vec<DVec3>) -
     film
 }
 
-/// p-values of the channels' means being those of `other`. The variance is estimated, from 10⁵ samples or more.
+/// p-values of the channels' means being those of `other`. The variance is estimated, from 10⁵
+/// samples or more.
 pub fn same_means(film: &Film, other: &Film) -> [f64; 3] {
     let (mean, others) = (film.mean(), other.mean());
     let (error, others_error) = (standard_error(film), standard_error(other));
@@ -124,29 +127,30 @@ pub fn accept_means(p_values: [f64; 3], what: &str) {
     }
 }
 
-/// Standard errors from which on a difference of means has to be found: the bound of a test of the family, and 4 more
-/// for the noise.
+/// Standard errors from which on a difference of means has to be found: the bound of a test of the
+/// family, and 4 more for the noise.
 fn findable() -> f64 {
     statistics::family().z_bound() + 4.0
 }
 
-/// Whether the mistake of `broken` shows in the noise of a test against `other`: whether its mean differs from that of
-/// the honest twin so much in some channel. What is small in one scene shows in another: see [`Power`].
+/// Whether the mistake of `broken` shows in the noise of a test against `other`: whether its mean
+/// differs from that of the honest twin so much in some channel. What is small in one scene shows
+/// in another: see [`Power`].
 fn shows(broken: &Film, honest: &Film, other_error: [f64; 3]) -> bool {
     let (means, error) = ((broken.mean(), honest.mean()), standard_error(broken));
     (0..3).any(|c| (means.0[c] - means.1[c]).abs() > findable() * error[c].hypot(other_error[c]))
 }
 
-/// The power of a test over several scenes and strategies: every broken twin whose mistake shows is rejected, and each
-/// that is expected shows somewhere.
+/// The power of a test over several scenes and strategies: every broken twin whose mistake shows is
+/// rejected, and each that is expected shows somewhere.
 #[derive(Debug, Default)]
 pub struct Power {
     found: Vec<BrokenTwin>,
 }
 
 impl Power {
-    /// Runs the test of `p_values` on the broken twins of `prepared`. `other` is the film that they are compared with;
-    /// none for an exact value.
+    /// Runs the test of `p_values` on the broken twins of `prepared`. `other` is the film that they
+    /// are compared with; none for an exact value.
     pub fn check(
         &mut self,
         prepared: &Prepared,

@@ -11,7 +11,8 @@ use direkt_instruments::report::format::short;
 /// What `--calibrate` takes besides the scenes.
 #[derive(Debug, clap::Args)]
 pub struct CalibrateArguments {
-    /// Compare the errors that images report with their actual ones, over many seeds; no report is written
+    /// Compare the errors that images report with their actual ones, over many seeds; no report is
+    /// written
     #[arg(long)]
     pub calibrate: bool,
     /// Images of each sampler for --calibrate
@@ -23,7 +24,8 @@ pub struct CalibrateArguments {
 }
 
 impl CalibrateArguments {
-    /// What to calibrate on `scene`: `strategies`, or its own where there are none, with `samplers`, or all.
+    /// What to calibrate on `scene`: `strategies`, or its own where there are none, with
+    /// `samplers`, or all.
     pub fn settings(
         &self,
         scene: &Scene,

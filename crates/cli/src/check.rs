@@ -13,7 +13,8 @@ const PRINTED: usize = 20;
 /// Whether to check.
 #[derive(Debug, clap::Args)]
 pub struct CheckArgument {
-    /// Compare with the exact values of the scene's [expect] table: exit 0 when all agree, 1 when not
+    /// Compare with the exact values of the scene's [expect] table: exit 0 when all agree, 1 when
+    /// not
     #[arg(long, conflicts_with = "size")]
     pub check: bool,
 }

@@ -31,7 +31,8 @@ pub struct Arguments {
     /// Let the reference make a mistake, which the comparison has to find: exit 1
     #[arg(long = "break", value_enum, value_name = "NAME")]
     broken: Option<BrokenTwin>,
-    /// Compare with exact direct lighting as well: scenes of polygons under polygon, point, spot and directional lights
+    /// Compare with exact direct lighting as well: scenes of polygons under polygon, point, spot
+    /// and directional lights
     #[arg(long)]
     exact: bool,
     /// Write GPU minus reference as an image (.exr, .png); the PNG's scale is the image's mean

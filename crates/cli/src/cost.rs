@@ -42,7 +42,8 @@ pub struct Arguments {
     /// Strategies to compare [default: all]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     strategies: Vec<Strategy>,
-    /// How strategies that do not say so themselves choose a point of a light [default: the scene's]
+    /// How strategies that do not say so themselves choose a point of a light [default: the
+    /// scene's]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     light_samplings: Vec<LightSampling>,
     /// Light selections to compare [default: the scene's]
@@ -57,14 +58,16 @@ pub struct Arguments {
     /// Samplers to compare [default: independent,sobol; with --calibrate all]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     samplers: Vec<Sampler>,
-    /// Effects to compile in without need, each beside every estimator as the scene calls for it, or `everything` at once: they
-    /// give the same image, which is checked bit for bit, and what they cost is time. `direkt explain` names the effects
+    /// Effects to compile in without need, each beside every estimator as the scene calls for it,
+    /// or `everything` at once: they give the same image, which is checked bit for bit, and what
+    /// they cost is time. `direkt explain` names the effects
     #[arg(long, value_name = "LIST", value_parser = parse_compiled, value_delimiter = ',', conflicts_with = "calibrate")]
     effects: Vec<Compiled>,
     /// Relative mean squared error whose price is told
     #[arg(long, value_name = "RELMSE", default_value_t = 1e-3)]
     target_error: f64,
-    /// Image to compare with, an EXR of the same size; otherwise the scene's exact values or a long run of direkt's own
+    /// Image to compare with, an EXR of the same size; otherwise the scene's exact values or a long
+    /// run of direkt's own
     #[arg(long, value_name = "FILE")]
     reference: Option<PathBuf>,
     #[command(flatten)]
@@ -208,8 +211,8 @@ impl Arguments {
         Ok(plan)
     }
 
-    /// Measures the scenes and writes the report into `folder`. Where a scene cannot be measured, what was measured before is
-    /// written first.
+    /// Measures the scenes and writes the report into `folder`. Where a scene cannot be measured,
+    /// what was measured before is written first.
     fn measure(&self, bench: &Bench, scenes: &[Scene], folder: &Path) -> Result<ExitCode, Error> {
         let (mut costs, mut not_measured, mut failed) = (Vec::new(), Vec::new(), Ok(()));
         for scene in scenes {

@@ -1,4 +1,5 @@
-//! `direkt explain`: which effects a scene calls for, and why; what they take, and what others would cost.
+//! `direkt explain`: which effects a scene calls for, and why; what they take, and what others
+//! would cost.
 
 mod text;
 
@@ -41,10 +42,12 @@ pub struct Arguments {
     /// Print the linked WGSL of the scene's kernel instead
     #[arg(long, conflicts_with = "measure")]
     wgsl: bool,
-    /// Measure what each effect would cost that the scene does not call for, and all of them together
+    /// Measure what each effect would cost that the scene does not call for, and all of them
+    /// together
     #[arg(long)]
     measure: bool,
-    /// Time of measuring, compiling included, such as 30s, 2m or 1m30s; three rounds are made at least
+    /// Time of measuring, compiling included, such as 30s, 2m or 1m30s; three rounds are made at
+    /// least
     #[arg(long, value_name = "DURATION", default_value = "60s", value_parser = parse_duration, requires = "measure")]
     budget: f64,
     /// Effects whose cost is measured [default: all that can be compiled in without need]

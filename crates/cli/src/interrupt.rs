@@ -1,14 +1,16 @@
 //! Ctrl-C, and the signals by which a process is asked to end or told that its terminal is closed.
 //!
-//! Until a command has something to save, the first one ends the process. From then on it asks the command to end soon, and a second
-//! Ctrl-C ends the process at once. A signal that is ignored when the process starts, as `nohup` has it, stays ignored.
+//! Until a command has something to save, the first one ends the process. From then on it asks the
+//! command to end soon, and a second Ctrl-C ends the process at once. A signal that is ignored when
+//! the process starts, as `nohup` has it, stays ignored.
 
 use direkt::low_level::console::say;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time in which a second Ctrl-C counts as the first: some wrappers pass on what the terminal has sent to all.
+/// Time in which a second Ctrl-C counts as the first: some wrappers pass on what the terminal has
+/// sent to all.
 const SAME: Duration = Duration::from_millis(100);
 
 /// Listens for signals.
@@ -72,7 +74,8 @@ mod system {
     use std::mem::MaybeUninit;
     use std::sync::Arc;
 
-    /// Calls `receive` with each signal, in a thread of its own. Where that cannot be, signals end the process as ever.
+    /// Calls `receive` with each signal, in a thread of its own. Where that cannot be, signals end
+    /// the process as ever.
     pub fn listen(receive: impl Fn(i32) + Send + 'static) {
         let signals = [SIGINT, SIGTERM, SIGHUP].into_iter();
         let Ok(mut signals) = Signals::new(signals.filter(|&s| !is_ignored(s))) else {
@@ -89,7 +92,8 @@ mod system {
 
     fn is_ignored(signal: i32) -> bool {
         let mut current = MaybeUninit::<libc::sigaction>::zeroed();
-        // SAFETY: without a new action nothing is changed, and the current one is written to a place of its size.
+        // SAFETY: without a new action nothing is changed, and the current one is written to a
+        // place of its size.
         let asked = unsafe { libc::sigaction(signal, std::ptr::null(), current.as_mut_ptr()) };
         // SAFETY: all bits zero are a `sigaction`, and so is what the call wrote.
         let current = unsafe { current.assume_init() };
@@ -100,7 +104,8 @@ mod system {
         signal == SIGINT
     }
 
-    /// Ends the process without what libraries do at its end, which another thread may be in the middle of.
+    /// Ends the process without what libraries do at its end, which another thread may be in the
+    /// middle of.
     pub fn exit(code: i32) -> ! {
         low_level::exit(code)
     }
@@ -116,7 +121,8 @@ mod system {
     /// Exit code of a process that Ctrl-C ended.
     const KILLED: i32 = 130;
 
-    /// Calls `receive` at each Ctrl-C and when the console is closed. A handler that cannot be installed leaves the default.
+    /// Calls `receive` at each Ctrl-C and when the console is closed. A handler that cannot be
+    /// installed leaves the default.
     pub fn listen(receive: impl Fn(i32) + Send + 'static) {
         let _ = ctrlc::set_handler(move || receive(0));
     }

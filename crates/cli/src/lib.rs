@@ -26,7 +26,8 @@ use plan::Plan;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Direct lighting by Monte Carlo integration in WGSL compute shaders, with the error of every image.
+/// Direct lighting by Monte Carlo integration in WGSL compute shaders, with the error of every
+/// image.
 #[derive(Debug, Parser)]
 #[command(name = "direkt", version, max_term_width = 100)]
 struct Cli {
@@ -46,14 +47,15 @@ enum Command {
     Cost(cost::Arguments),
     /// Tell which effects a scene calls for, and why
     Explain(explain::Arguments),
-    /// Run the experiments of a lecture on Monte Carlo integration: exit 0 when all agree with their exact values
+    /// Run the experiments of a lecture on Monte Carlo integration: exit 0 when all agree with
+    /// their exact values
     Lab(lab::Arguments),
     /// Tell whether the adapters of this machine can be trusted
     Doctor(doctor::Arguments),
 }
 
-/// Parses the command line, runs the command and reports its error; the exit code is 0 for success, 1 for a failed
-/// check or a failing driver, 2 for wrong use or bad input.
+/// Parses the command line, runs the command and reports its error; the exit code is 0 for success,
+/// 1 for a failed check or a failing driver, 2 for wrong use or bad input.
 pub fn main() -> ExitCode {
     interrupt::survive_size_limit();
     let cli = Cli::parse();
@@ -103,7 +105,8 @@ struct JsonArgument {
 }
 
 impl JsonArgument {
-    /// Adds the file to what the command is going to write, and keeps shaders of the user's own from being written.
+    /// Adds the file to what the command is going to write, and keeps shaders of the user's own
+    /// from being written.
     fn plan(&self, plan: &mut Plan) -> Result<(), Error> {
         if let Some(path) = self.json.as_ref().filter(|p| p.as_os_str() != STDOUT) {
             plan.file("--json", path)?;

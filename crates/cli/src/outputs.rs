@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 /// Output files and how they are shown.
 #[derive(Debug, clap::Args)]
 pub struct OutputArguments {
-    /// Image to write: .exr (radiance, samples, standard error) or .png (tone-mapped); may be repeated
+    /// Image to write: .exr (radiance, samples, standard error) or .png (tone-mapped); may be
+    /// repeated
     #[arg(
         short,
         long = "output",

@@ -38,8 +38,8 @@ impl Passes {
         }
     }
 
-    /// Takes passes until the samples, the time or the user's patience run out, or the image is right enough; `after` is called
-    /// after each.
+    /// Takes passes until the samples, the time or the user's patience run out, or the image is
+    /// right enough; `after` is called after each.
     pub fn take(
         &mut self,
         session: &mut Session<'_>,

@@ -1,4 +1,5 @@
-//! What a command is going to write: refused before it computes anything where that could not be done, or would destroy something.
+//! What a command is going to write: refused before it computes anything where that could not be
+//! done, or would destroy something.
 
 use direkt::error::Error;
 use direkt::low_level::console::say;
@@ -67,7 +68,8 @@ impl Plan {
         Ok(())
     }
 
-    /// Keeps the other outputs from having names that end in `extension` in `folder`, where files of names not known yet are written.
+    /// Keeps the other outputs from having names that end in `extension` in `folder`, where files
+    /// of names not known yet are written.
     ///
     /// # Errors
     /// One of them has such a name.
@@ -97,7 +99,8 @@ impl Plan {
         Ok(())
     }
 
-    /// Keeps the files `inputs`, which are read as `what` says ("the scene itself"), from being written.
+    /// Keeps the files `inputs`, which are read as `what` says ("the scene itself"), from being
+    /// written.
     ///
     /// # Errors
     /// One of them is an output.
@@ -136,7 +139,8 @@ impl Plan {
     }
 }
 
-/// `folder`, made again where it has gone; where it takes no files any more, a new one elsewhere, which is reported.
+/// `folder`, made again where it has gone; where it takes no files any more, a new one elsewhere,
+/// which is reported.
 pub fn usable(folder: PathBuf, failures: &mut Failures) -> PathBuf {
     let made = std::fs::create_dir_all(&folder);
     let probed = made.and_then(|()| {

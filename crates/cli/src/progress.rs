@@ -11,7 +11,8 @@ const LOOK_INTERVAL: Duration = Duration::from_secs(1);
 /// Looking at the error may take this fraction of the time.
 const LOOK_SHARE: u32 = 50;
 
-/// A bar of `length` that is drawn by `template`; none where `quiet` or where stderr is no terminal.
+/// A bar of `length` that is drawn by `template`; none where `quiet` or where stderr is no
+/// terminal.
 pub fn bar(length: u64, template: &str, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
@@ -45,7 +46,8 @@ impl Bar {
     }
 }
 
-/// Shows pass, samples/s, rays/s, error so far and the time left. Silent where stderr is no terminal.
+/// Shows pass, samples/s, rays/s, error so far and the time left. Silent where stderr is no
+/// terminal.
 pub struct Progress {
     bar: ProgressBar,
     start: Instant,

@@ -56,10 +56,12 @@ struct SettingsArguments {
     /// Stop after this many seconds of rendering; without --spp nothing else stops it
     #[arg(long, value_name = "SECONDS")]
     time: Option<f64>,
-    /// Stop at this relative error of the image, √relMSE, such as 0.01; without --spp or --time nothing else stops it
+    /// Stop at this relative error of the image, √relMSE, such as 0.01; without --spp or --time
+    /// nothing else stops it
     #[arg(long, value_name = "RELATIVE")]
     error: Option<f64>,
-    /// Confidence with which the error has to be below --error [default: the scene's, 0.95 as a rule]
+    /// Confidence with which the error has to be below --error [default: the scene's, 0.95 as a
+    /// rule]
     #[arg(long, value_name = "PROBABILITY")]
     confidence: Option<f64>,
     #[command(flatten)]
@@ -189,7 +191,8 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     finish(arguments, &plan, &prepared, (rendered, seconds), failures)
 }
 
-/// Takes the passes. Where the driver fails after the first ones, that is a failure of its own, and the image so far is returned.
+/// Takes the passes. Where the driver fails after the first ones, that is a failure of its own, and
+/// the image so far is returned.
 fn render(
     arguments: &Arguments,
     (prepared, device): (&Prepared, Context),
@@ -275,7 +278,8 @@ struct Rendered {
 }
 
 impl Rendered {
-    /// The image of `session` with its AOVs; where these fail, but not by the loss of the device, without them.
+    /// The image of `session` with its AOVs; where these fail, but not by the loss of the device,
+    /// without them.
     fn new(
         progressed: Progressed,
         session: &Session<'_>,

@@ -27,8 +27,8 @@ impl AssetArguments {
         }
     }
 
-    /// Reads the scene of `path`, of at most as many triangles as `device` takes, where it is open. Files that `plan` is going
-    /// to write are refused where it reads them.
+    /// Reads the scene of `path`, of at most as many triangles as `device` takes, where it is open.
+    /// Files that `plan` is going to write are refused where it reads them.
     pub fn load(
         &self,
         path: &PathBuf,
@@ -84,8 +84,8 @@ pub struct SceneListArguments {
 }
 
 impl SceneListArguments {
-    /// Reads the scenes, and says on stderr what they ask for and direkt does not do. Files that `plan` is going to write are
-    /// refused where they read them.
+    /// Reads the scenes, and says on stderr what they ask for and direkt does not do. Files that
+    /// `plan` is going to write are refused where they read them.
     pub fn load(&self, plan: &mut Plan, device: Option<&Context>) -> Result<Vec<Scene>, Error> {
         let load = |path: &PathBuf| {
             let scene = self.assets.load(path, plan, device)?;

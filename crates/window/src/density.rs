@@ -1,7 +1,7 @@
 //! How directions are chosen at a point: the histogram of a sampler beside its density.
 //!
-//! Both come from the twin, in f64. Cells are equal in solid angle: azimuth to the right, the cosine to the shading normal
-//! upwards.
+//! Both come from the twin, in f64. Cells are equal in solid angle: azimuth to the right, the
+//! cosine to the shading normal upwards.
 
 use direkt::low_level::effects::Effect;
 use direkt::low_level::emitters::{Emitter, Selection};
@@ -216,8 +216,8 @@ mod tests {
     use direkt::scene::Strategy;
     use direkt::scene::load::{LoadOptions, load};
 
-    /// On Cornell's back wall. What differs is the noise of the counts, √(2/π · cells/samples) ≤ 0.07, and
-    /// the few points of the cells that a light's edge passes through.
+    /// On Cornell's back wall. What differs is the noise of the counts, √(2/π · cells/samples) ≤
+    /// 0.07, and the few points of the cells that a light's edge passes through.
     #[test]
     fn histograms_are_those_of_the_densities() {
         for strategy in [

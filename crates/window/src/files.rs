@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 impl App {
-    /// Opens another scene, or the same one again, which keeps camera, methods and lights as far as it can.
+    /// Opens another scene, or the same one again, which keeps camera, methods and lights as far as
+    /// it can.
     pub(super) fn open(&mut self, path: &Path) {
         let (scene, files) = load_with_files(path, &self.options.load);
         let another = path != self.options.path;
@@ -135,7 +136,8 @@ impl App {
         }
     }
 
-    /// Reads the scene again where it, or a shader, has changed; for a scene read anew all is compiled anew.
+    /// Reads the scene again where it, or a shader, has changed; for a scene read anew all is
+    /// compiled anew.
     pub(super) fn reload(&mut self) {
         if self.watch.has_changed() {
             let path = self.options.path.clone();

@@ -1,10 +1,11 @@
 //! The window: a scene, the estimator that renders it, and its error while it falls.
 //!
-//! Two threads share a mailbox. The window's own draws controls and pictures, and posts a request whenever something
-//! changes: camera, size, method, lights. The renderer's works off the newest request, on a device of its own, and posts
-//! pictures. So the window answers while a kernel is compiled or a long dispatch runs, and losing one device
-//! does not lose the other. A pixel's state stays on the renderer's device; what is copied is a picture now and then, as often
-//! as takes a fiftieth of the time.
+//! Two threads share a mailbox. The window's own draws controls and pictures, and posts a request
+//! whenever something changes: camera, size, method, lights. The renderer's works off the newest
+//! request, on a device of its own, and posts pictures. So the window answers while a kernel is
+//! compiled or a long dispatch runs, and losing one device does not lose the other. A pixel's state
+//! stays on the renderer's device; what is copied is a picture now and then, as often as takes a
+//! fiftieth of the time.
 
 mod app;
 mod canvas;

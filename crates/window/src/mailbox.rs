@@ -1,4 +1,5 @@
-//! What goes between the window and the renderer: the newest request one way, pictures and status the other.
+//! What goes between the window and the renderer: the newest request one way, pictures and status
+//! the other.
 
 use super::picture::{Inspected, Picture};
 use super::request::{MAX_VIEWS, RenderRequest};
@@ -103,7 +104,8 @@ impl Mailbox {
         self.newest.load(Ordering::Acquire) > version
     }
 
-    /// The newest request, if it is newer than `version`; where `wait` says so, waits for one. An error is the end.
+    /// The newest request, if it is newer than `version`; where `wait` says so, waits for one. An
+    /// error is the end.
     pub fn take(&self, version: u64, wait: bool) -> Result<Option<Posted>, Quit> {
         let mut inner = self.lock();
         loop {

@@ -1,11 +1,13 @@
 //! Moving through a scene.
 //!
-//! A [`CameraController`] holds a camera as a scene file does, by eye, target and up: what is saved is what is seen, bit for bit.
+//! A [`CameraController`] holds a camera as a scene file does, by eye, target and up: what is saved
+//! is what is seen, bit for bit.
 
 use direkt::scene::{Camera, Lens, Projection};
 use glam::{DMat3, DVec3};
 
-/// Smallest angle between the viewing direction and the axis that the camera turns about, in radians.
+/// Smallest angle between the viewing direction and the axis that the camera turns about, in
+/// radians.
 const POLE: f64 = 0.02;
 
 /// A camera that looks at a target.
@@ -24,7 +26,8 @@ pub struct CameraController {
 }
 
 impl CameraController {
-    /// A controller that sees what `camera` sees, with its target in the middle of what there is in `bounds`.
+    /// A controller that sees what `camera` sees, with its target in the middle of what there is in
+    /// `bounds`.
     pub fn of(camera: &Camera, bounds: Option<(DVec3, DVec3)>) -> Self {
         let middle = bounds.map(|(low, high)| 0.5 * (low + high));
         let depth = middle.map_or(1.0, |middle| (middle - camera.eye).dot(camera.forward));
@@ -95,8 +98,8 @@ impl CameraController {
         self.shift(height * (right * self.right() + up * image_up));
     }
 
-    /// Moves the eye towards the target: its distance becomes `factor` times what it was, and so does the height of what a
-    /// camera with parallel rays sees.
+    /// Moves the eye towards the target: its distance becomes `factor` times what it was, and so
+    /// does the height of what a camera with parallel rays sees.
     pub fn dolly(&mut self, factor: f64) {
         self.eye = self.target - factor * (self.target - self.eye);
         if let Projection::Orthographic { height } = &mut self.projection {
@@ -115,7 +118,8 @@ impl CameraController {
         self.target += by;
     }
 
-    /// Looks at the box from `low` to `high` from the same side, so that it fits an image of the aspect `aspect`.
+    /// Looks at the box from `low` to `high` from the same side, so that it fits an image of the
+    /// aspect `aspect`.
     pub fn frame(&mut self, (low, high): (DVec3, DVec3), aspect: f64) {
         let radius = (0.5 * (high - low).length()).max(1e-9);
         let forward = self.forward();

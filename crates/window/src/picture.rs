@@ -77,7 +77,8 @@ pub struct InspectedSurface {
     pub densities: Vec<Density>,
 }
 
-/// The colours of `film`. A difference needs the `other` film, of the same size; without it radiance is shown.
+/// The colours of `film`. A difference needs the `other` film, of the same size; without it
+/// radiance is shown.
 pub fn colours(film: &Film, other: Option<&Film>, layer: Layer, display: &Display) -> ColorImage {
     let pixels = match (layer, other.filter(|other| other.size == film.size)) {
         (Layer::StandardError, _) => standard_error(film),
@@ -191,7 +192,8 @@ mod tests {
 
     #[test]
     fn a_larger_error_is_lighter() {
-        // A standard error of the pixel's own value in both: beside the image's mean, that of the dark one is small.
+        // A standard error of the pixel's own value in both: beside the image's mean, that of the
+        // dark one is small.
         let picture = colours(
             &film(&[0.01, 1.0]),
             None,

@@ -94,7 +94,8 @@ impl<'a> RenderThread<'a> {
             let (mailbox, version) = (self.mailbox, posted.version);
             let newer = || mailbox.is_newer_than(version);
             self.views[next].pass(newer)?;
-            // While the camera moves there is always something newer, and an old picture is better than none.
+            // While the camera moves there is always something newer, and an old picture is better
+            // than none.
             if self.views[next].is_due() && (posted.request.moving || !newer()) {
                 self.show(next, &posted)?;
             }

@@ -17,7 +17,8 @@ pub fn start(mailbox: Arc<Mailbox>, adapter: Option<String>) -> std::io::Result<
         .spawn(move || run(&mailbox, || Context::new(adapter.as_deref())))
 }
 
-/// Works off requests on devices that `open` gives: when one is lost, the next goes on with what was saved.
+/// Works off requests on devices that `open` gives: when one is lost, the next goes on with what
+/// was saved.
 fn run(mailbox: &Mailbox, open: impl Fn() -> Result<Context, GpuError>) {
     let mut runs = 0;
     let mut rescued = Vec::new();

@@ -55,12 +55,13 @@ pub struct Changes<'a> {
     pub lights: &'a Lights,
 }
 
-/// Writes the scene of `source` with `changes` to `path`, a `.toml` file in the same folder, in which file names mean the same. The
-/// text of a TOML scene stays as it is, but for what is changed; a glTF file is included.
+/// Writes the scene of `source` with `changes` to `path`, a `.toml` file in the same folder, in
+/// which file names mean the same. The text of a TOML scene stays as it is, but for what is
+/// changed; a glTF file is included.
 ///
 /// # Errors
-/// The file is another one than that, or cannot be read or written, or a light is switched that the TOML file does not say
-/// itself.
+/// The file is another one than that, or cannot be read or written, or a light is switched that the
+/// TOML file does not say itself.
 pub fn scene(path: &Path, source: &Path, changes: &Changes<'_>) -> Result<(), Error> {
     let folder = |p: &Path| p.parent().map(|f| f.join(".").canonicalize().ok());
     if extension(path) != "toml" || folder(path) != folder(source) {

@@ -20,8 +20,8 @@ use glam::DVec2;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How long a dispatch should take, in the first second and after it: the renderer looks for a newer request between two, and
-/// short ones cost some speed.
+/// How long a dispatch should take, in the first second and after it: the renderer looks for a
+/// newer request between two, and short ones cost some speed.
 const FIRST_DISPATCH: Duration = Duration::from_millis(20);
 const DISPATCH: Duration = Duration::from_millis(30);
 /// Samples of a pass at most.
@@ -30,8 +30,8 @@ const MAX_PASS_SAMPLES: u64 = 16;
 const MOVING_PASS: f64 = 0.025;
 /// Largest factor by which the image is smaller then, along each side.
 const MAX_REDUCTION: f64 = 16.0;
-/// Part of the time that pictures may take, and so looks at the error, in the first second and after it: one wants to see soon
-/// what comes about, and later to get on.
+/// Part of the time that pictures may take, and so looks at the error, in the first second and
+/// after it: one wants to see soon what comes about, and later to get on.
 const FIRST_SHARE: f64 = 0.25;
 const SHARE: f64 = 0.02;
 const ERROR_SHARE: f64 = 0.03;
@@ -79,8 +79,8 @@ pub struct Rescued {
 }
 
 impl<'a> View<'a> {
-    /// Prepares the view of `method` and compiles its kernel, unless the device has it already. `data` is the scene of `request`
-    /// where another view has it, scaled for the request's camera.
+    /// Prepares the view of `method` and compiles its kernel, unless the device has it already.
+    /// `data` is the scene of `request` where another view has it, scaled for the request's camera.
     pub fn new(
         context: &'a Context,
         request: &RenderRequest,
@@ -135,7 +135,8 @@ impl<'a> View<'a> {
         Ok(view)
     }
 
-    /// Whether it can do `request` by `method` as it is, but for where the camera stands and how large the image is.
+    /// Whether it can do `request` by `method` as it is, but for where the camera stands and how
+    /// large the image is.
     pub fn fits(&self, request: &RenderRequest, method: &Method) -> bool {
         let kind = |c: &Camera| (c.is_orthographic(), c.lens.radius > 0.0);
         *self.method == *method
@@ -150,7 +151,8 @@ impl<'a> View<'a> {
         has_it.then(|| Arc::clone(&self.prepared.data))
     }
 
-    /// Whether the scene is scaled as the camera of `request` calls for. While that moves, an ordinary scene stays as it is.
+    /// Whether the scene is scaled as the camera of `request` calls for. While that moves, an
+    /// ordinary scene stays as it is.
     fn is_scaled_for(&self, request: &RenderRequest) -> bool {
         let effects = &self.prepared.effects;
         let normalization = &self.prepared.data.normalization;
@@ -258,8 +260,9 @@ impl<'a> View<'a> {
         Ok(reason)
     }
 
-    /// Samples of the next pass: an eighth of those that there are. A pass over few samples costs some speed, as every pixel's
-    /// state is read and written for it, and one over many would let the first picture wait.
+    /// Samples of the next pass: an eighth of those that there are. A pass over few samples costs
+    /// some speed, as every pixel's state is read and written for it, and one over many would let
+    /// the first picture wait.
     fn pass_samples(&self) -> u64 {
         match self.samples() / 8 {
             0 => 1,
@@ -288,7 +291,8 @@ impl<'a> View<'a> {
         self.session.snapshot()
     }
 
-    /// A picture of `film` beside that of the `other` view, with its error if that is due and `stop` does not say otherwise.
+    /// A picture of `film` beside that of the `other` view, with its error if that is due and
+    /// `stop` does not say otherwise.
     pub fn picture(
         &mut self,
         (film, rays): (Film, RayCounts),
@@ -332,8 +336,8 @@ impl<'a> View<'a> {
         self.shown_samples = self.samples();
     }
 
-    /// Whether it is time to look at the error: both replicates have the same number of samples, the time has grown by a
-    /// quarter since the last look, and another one is not too long.
+    /// Whether it is time to look at the error: both replicates have the same number of samples,
+    /// the time has grown by a quarter since the last look, and another one is not too long.
     fn error_is_due(&self) -> bool {
         let samples = self.samples();
         let last = self.curve.last().map_or(0.0, |point| point[0]);

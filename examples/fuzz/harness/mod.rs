@@ -1,6 +1,7 @@
 //! Fuzzing of everything that reads what a stranger may have written.
 //!
-//! Shared by `examples/fuzz`, which runs millions of inputs, and the tests, which run a few thousand.
+//! Shared by `examples/fuzz`, which runs millions of inputs, and the tests, which run a few
+//! thousand.
 
 mod json;
 mod mutate;
@@ -68,7 +69,8 @@ impl Inputs {
     }
 }
 
-/// The words of a message that its reader wrote, without those of the input: they tell which check it comes from.
+/// The words of a message that its reader wrote, without those of the input: they tell which check
+/// it comes from.
 pub fn kind(message: &str) -> String {
     let mut quoted = false;
     let mut kept = String::new();
@@ -84,8 +86,8 @@ pub fn kind(message: &str) -> String {
     kept
 }
 
-/// Reads one input: the message with which it is refused, or `None` for a scene. `Err` says what is wrong with the
-/// reader, a panic among it.
+/// Reads one input: the message with which it is refused, or `None` for a scene. `Err` says what is
+/// wrong with the reader, a panic among it.
 pub fn execute(place: &Workplace, input: &[u8]) -> Result<Option<String>, String> {
     place
         .put(input)

@@ -3,7 +3,8 @@
 use super::random::Random;
 use std::ops::Range;
 
-/// Longest input: what is longer finds nothing that is not found in what is short, and takes its time.
+/// Longest input: what is longer finds nothing that is not found in what is short, and takes its
+/// time.
 pub const MAX_BYTES: usize = 4096;
 
 /// Numbers at the edges of types, formats and domains, and what is no number at all.
@@ -54,7 +55,8 @@ pub const NUMBERS: [&str; 44] = [
     "0x10",
 ];
 
-/// Damages `bytes` in one way; `pool` are whole inputs to take pieces from, `words` what the format knows.
+/// Damages `bytes` in one way; `pool` are whole inputs to take pieces from, `words` what the format
+/// knows.
 pub fn damage(random: &mut Random, bytes: &mut Vec<u8>, pool: &[Vec<u8>], words: &[&str]) {
     match random.below(10) {
         0..3 => replace_number(random, bytes),

@@ -1,4 +1,5 @@
-//! Every number of a scene, to be replaced by any other: scenes that no file could describe, for `validate`.
+//! Every number of a scene, to be replaced by any other: scenes that no file could describe, for
+//! `validate`.
 
 use direkt::scene::{
     Bsdf, DirectionalLight, EnvironmentRadiance, ExpectedRadiance, Geometry, Light, Material,
@@ -6,7 +7,8 @@ use direkt::scene::{
 };
 use glam::DVec3;
 
-/// Calls `visit` with each number in turn; what it leaves is taken back, rounded where the scene has an integer.
+/// Calls `visit` with each number in turn; what it leaves is taken back, rounded where the scene
+/// has an integer.
 pub fn visit(scene: &mut Scene, visit: &mut impl FnMut(f64) -> f64) {
     let visit = &mut Visitor(visit);
     let camera = &mut scene.camera;

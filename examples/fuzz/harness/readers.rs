@@ -27,7 +27,8 @@ pub enum Reader {
     Hdr,
     /// OpenEXR maps.
     Exr,
-    /// `validate`, with scenes that are made in memory: an input names numbers of a valid one and what they become.
+    /// `validate`, with scenes that are made in memory: an input names numbers of a valid one and
+    /// what they become.
     Validate,
 }
 
@@ -286,8 +287,8 @@ impl Workplace {
         std::fs::write(self.input(), bytes)
     }
 
-    /// Reads the input that was put in place, `bytes`: the message with which it is refused, or `None`. `Err` says what
-    /// is wrong with the reader.
+    /// Reads the input that was put in place, `bytes`: the message with which it is refused, or
+    /// `None`. `Err` says what is wrong with the reader.
     pub fn read(&self, bytes: &[u8]) -> Result<Option<String>, String> {
         let read = match self.reader {
             Reader::Toml | Reader::Numbers | Reader::Gltf | Reader::Glb => {

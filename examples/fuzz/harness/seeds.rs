@@ -198,7 +198,8 @@ pub fn exr() -> Vec<Vec<u8>> {
 }
 
 fn exr_of(compression: Compression, blocks: Blocks) -> Vec<u8> {
-    // A block that does not get smaller is not compressed, so those that are to be hold little in many texels.
+    // A block that does not get smaller is not compressed, so those that are to be hold little in
+    // many texels.
     let size = match compression {
         Compression::Uncompressed => (6, 5),
         Compression::RLE | Compression::ZIP1 | Compression::B44 => (24, 17),

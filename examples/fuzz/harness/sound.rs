@@ -13,7 +13,8 @@ pub fn check(scene: Scene) -> Result<(), String> {
     prepare(scene)
 }
 
-/// Prepares `scene` for rendering. `Err` says which number would reach the GPU as an infinity or as none.
+/// Prepares `scene` for rendering. `Err` says which number would reach the GPU as an infinity or as
+/// none.
 pub fn prepare(scene: Scene) -> Result<(), String> {
     let prepared = Prepared::of(scene);
     let normalization = &prepared.data.normalization;

@@ -46,15 +46,17 @@ impl Cone {
     }
 }
 
-/// Bounds of lights (Conty Estevez & Kulla 2018, section 4; pbrt-4's `LightBounds`). Normalised space.
+/// Bounds of lights (Conty Estevez & Kulla 2018, section 4; pbrt-4's `LightBounds`). Normalised
+/// space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightBounds {
     /// Lower corner of the box around them.
     pub low: DVec3,
     /// Upper corner.
     pub high: DVec3,
-    /// Sum of their radiant intensities (luminance), each in the direction in which it is largest: what arrives at a point
-    /// from a lamp of any kind is that over d². pbrt-4 takes 4π times as much of point lights.
+    /// Sum of their radiant intensities (luminance), each in the direction in which it is largest:
+    /// what arrives at a point from a lamp of any kind is that over d². pbrt-4 takes 4π times as
+    /// much of point lights.
     pub intensity: f64,
     /// Their normals, or the axes around which they shine with full intensity: θ_o is its angle.
     pub normals: Cone,
@@ -82,9 +84,9 @@ impl LightBounds {
         0.5 * (self.low + self.high)
     }
 
-    /// Cost of a child in the surface-area-orientation heuristic: intensity times the box's surface times
-    /// M_Ω = 2π (1 − cosθ_o) + π/2 (2 θ_w sinθ_o − cos(θ_o − 2θ_w) − 2 θ_o sinθ_o + cosθ_o), θ_w = min(θ_o + θ_e, π)
-    /// (Conty Estevez & Kulla 2018, eq. 1).
+    /// Cost of a child in the surface-area-orientation heuristic: intensity times the box's surface
+    /// times M_Ω = 2π (1 − cosθ_o) + π/2 (2 θ_w sinθ_o − cos(θ_o − 2θ_w) − 2 θ_o sinθ_o + cosθ_o),
+    /// θ_w = min(θ_o + θ_e, π) (Conty Estevez & Kulla 2018, eq. 1).
     pub fn cost(&self) -> f64 {
         let o = self.normals.angle;
         let w = (o + self.emission).min(PI);

@@ -22,8 +22,8 @@ pub(crate) struct Placed {
     pub trail: u32,
 }
 
-/// Builds the node at level `depth` over two or more `lights` into `nodes`, one less than lights, depth first; the first
-/// of them is node `first`. Gives the bounds of all.
+/// Builds the node at level `depth` over two or more `lights` into `nodes`, one less than lights,
+/// depth first; the first of them is node `first`. Gives the bounds of all.
 pub(crate) fn build(
     lights: &mut [Placed],
     nodes: &mut [NodeWords],
@@ -94,8 +94,8 @@ fn split(lights: &mut [Placed], depth: u32) -> usize {
     half
 }
 
-/// Halves along the longest axis: where lights lie on a line, whose boxes have no surface, at one point, or so unevenly that
-/// the tree would become too deep.
+/// Halves along the longest axis: where lights lie on a line, whose boxes have no surface, at one
+/// point, or so unevenly that the tree would become too deep.
 fn median(lights: &mut [Placed]) -> usize {
     let (low, high) = centres(lights);
     let axis = (high - low).max_position();
@@ -147,7 +147,8 @@ impl Best {
                 scale: BUCKETS as f64 / extent,
                 bucket: 0,
             };
-            // K_r of the paper: planes across the longest side are favoured, so that boxes do not become thin.
+            // K_r of the paper: planes across the longest side are favoured, so that boxes do not
+            // become thin.
             let factor = size.max_element() / size[axis];
             for (bucket, cost) in plane.costs(lights).into_iter().enumerate() {
                 let cost = factor * cost;

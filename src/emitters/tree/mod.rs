@@ -1,10 +1,12 @@
-//! The light tree: a binary tree over the lights, from which one is chosen by what it may contribute to a surface.
+//! The light tree: a binary tree over the lights, from which one is chosen by what it may
+//! contribute to a surface.
 //!
-//! After Conty Estevez & Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting", as pbrt-4's
-//! `BVHLightSampler` has it: nodes bound position, orientation and intensity of their lights; a descent from the root
-//! takes each child in proportion to its importance for the surface. `shaders/light/tree.wesl` descends,
-//! `docs/sampling.md` tells the formulas. Lights that are infinitely far away stay outside: each of them, and the tree
-//! as a whole, is chosen with the same probability.
+//! After Conty Estevez & Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
+//! Splitting", as pbrt-4's `BVHLightSampler` has it: nodes bound position, orientation and
+//! intensity of their lights; a descent from the root takes each child in proportion to its
+//! importance for the surface. `shaders/light/tree.wesl` descends, `docs/sampling.md` tells the
+//! formulas. Lights that are infinitely far away stay outside: each of them, and the tree as a
+//! whole, is chosen with the same probability.
 
 mod bounds;
 mod build;
@@ -22,18 +24,19 @@ pub struct LightTree {
     pub nodes: Vec<NodeWords>,
     /// Where the nodes' spheres lie.
     pub grid: Grid,
-    /// Per emitter its way from the root: bit k is the child that it takes at level k. 0 outside the tree.
+    /// Per emitter its way from the root: bit k is the child that it takes at level k. 0 outside
+    /// the tree.
     pub trails: Vec<u32>,
     /// The sampled lights outside the tree.
     pub infinite: Vec<u32>,
-    /// Per emitter its probability in the mean over all surfaces, as far as that is known without one: in the tree, by
-    /// its intensity.
+    /// Per emitter its probability in the mean over all surfaces, as far as that is known without
+    /// one: in the tree, by its intensity.
     means: Vec<f64>,
 }
 
 impl LightTree {
-    /// The tree over `lights` beside the lights `infinite`, of `count` emitters. `None` for fewer than two lights: then
-    /// there is nothing to choose by.
+    /// The tree over `lights` beside the lights `infinite`, of `count` emitters. `None` for fewer
+    /// than two lights: then there is nothing to choose by.
     pub fn new(lights: &[TreeLight], infinite: Vec<u32>, count: usize) -> Option<Self> {
         if lights.len() < 2 {
             return None;
@@ -72,8 +75,8 @@ impl LightTree {
         1.0 / (self.infinite.len() + 1) as f64
     }
 
-    /// Probability of light `index` in the mean over surfaces, where it is in the tree by its intensity alone; exact
-    /// outside of it. 0 where it is never sampled.
+    /// Probability of light `index` in the mean over surfaces, where it is in the tree by its
+    /// intensity alone; exact outside of it. 0 where it is never sampled.
     pub fn mean_probability(&self, index: usize) -> f64 {
         self.means[index]
     }

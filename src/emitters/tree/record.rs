@@ -1,5 +1,5 @@
-//! Nodes as the GPU reads them: three words of 16 bytes for both children of a node, 24 bytes each like pbrt-4's compact
-//! bounds, with a sphere beside the box.
+//! Nodes as the GPU reads them: three words of 16 bytes for both children of a node, 24 bytes each
+//! like pbrt-4's compact bounds, with a sphere beside the box.
 //!
 //! | 32-bit word of a child | bits |
 //! |---|---|
@@ -10,8 +10,9 @@
 //! | 4 | half size of the box: x, y, z as 5 bits k each, for radius · 2^(−k/2); intensity, of all lights 1: the upper half of an f32 |
 //! | 5 | reference: a node, or a light with `TREE_LEAF` |
 //!
-//! A node's first 16 bytes are words 0 to 3 of the left child, then those of the right, then words 4 of both and words 5
-//! of both. What is rounded is rounded so that the record bounds at least what it stands for.
+//! A node's first 16 bytes are words 0 to 3 of the left child, then those of the right, then words
+//! 4 of both and words 5 of both. What is rounded is rounded so that the record bounds at least
+//! what it stands for.
 
 use super::bounds::LightBounds;
 use crate::accel::octahedral::{from_octahedral, octahedral};
@@ -160,7 +161,8 @@ fn decode_axis(words: [u32; 2]) -> DVec3 {
 mod tests {
     use super::*;
 
-    /// Half a step of 2/65,535 in two coordinates, a whole one in the third, of a vector of length 1/√3 or more.
+    /// Half a step of 2/65,535 in two coordinates, a whole one in the third, of a vector of length
+    /// 1/√3 or more.
     const AXIS_ERROR: f64 = 6.5e-5;
 
     #[test]

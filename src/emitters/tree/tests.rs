@@ -121,7 +121,8 @@ fn every_trail_ends_at_its_light() {
     assert_eq!(LightTree::new(&lights(1, 1), vec![1, 2], 3), None);
 }
 
-/// Lights at one point, on a line, and each twice as far as the one before, of which planes alone would make a chain.
+/// Lights at one point, on a line, and each twice as far as the one before, of which planes alone
+/// would make a chain.
 #[test]
 fn trees_are_never_deeper_than_a_trail() {
     let at = |index: u32, position: DVec3| {
@@ -143,7 +144,8 @@ fn trees_are_never_deeper_than_a_trail() {
     }
 }
 
-/// A point, a normal, and a point of a light from which light arrives there; `None` where none does.
+/// A point, a normal, and a point of a light from which light arrives there; `None` where none
+/// does.
 fn connection(random: &mut Random, light: &TreeLight) -> Option<(DVec3, DVec3)> {
     let bounds = &light.bounds;
     let on_light = light.some_point([random.unit(), random.unit()]);

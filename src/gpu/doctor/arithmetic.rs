@@ -8,11 +8,13 @@ use serde::Serialize;
 /// What a driver does to numbers. WGSL leaves it free in all of this but the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Arithmetic {
-    /// NaNs, infinities and finite numbers that their bits do not tell: direkt's ledger rests on them.
+    /// NaNs, infinities and finite numbers that their bits do not tell: direkt's ledger rests on
+    /// them.
     pub misclassified: u32,
     /// Such that comparisons (`x != x`, `x > 3.4e38`) do not tell.
     pub misclassified_by_comparison: u32,
-    /// NaNs that pass a test for the range of finite numbers (`x < −3.4e38 || x > 3.4e38` is false).
+    /// NaNs that pass a test for the range of finite numbers (`x < −3.4e38 || x > 3.4e38` is
+    /// false).
     pub passed_by_range: u32,
     /// Whether subnormal numbers stay what they are.
     pub keeps_subnormals: bool,

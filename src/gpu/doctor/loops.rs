@@ -5,8 +5,8 @@ use crate::error::GpuError;
 use crate::gpu::Context;
 use serde::Serialize;
 
-/// Loops that a driver may end early: Mesa's lavapipe before version 23 ends all loops of an invocation after 65,535
-/// iterations in total and says nothing.
+/// Loops that a driver may end early: Mesa's lavapipe before version 23 ends all loops of an
+/// invocation after 65,535 iterations in total and says nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LoopBudget {
     /// What each test loop did.

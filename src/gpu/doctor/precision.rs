@@ -62,8 +62,8 @@ impl Precision {
     }
 }
 
-/// A function: its name and domain, how two numbers of [0, 1) become its arguments, what is exact and allowed, and whether
-/// images rest on it.
+/// A function: its name and domain, how two numbers of [0, 1) become its arguments, what is exact
+/// and allowed, and whether images rest on it.
 struct Function {
     name: &'static str,
     domain: &'static str,
@@ -73,8 +73,9 @@ struct Function {
     needed: bool,
 }
 
-/// In the order of `shaders/kernel/elementary.wesl`. Bounds of the driver's own functions are WGSL's (section 15.7.4,
-/// accuracy of built-in functions), of direkt's those that `shaders/core/math.wesl` states.
+/// In the order of `shaders/kernel/elementary.wesl`. Bounds of the driver's own functions are
+/// WGSL's (section 15.7.4, accuracy of built-in functions), of direkt's those that
+/// `shaders/core/math.wesl` states.
 const FUNCTIONS: [Function; 12] = [
     Function {
         name: "division",
@@ -192,7 +193,8 @@ fn signed_magnitude(u: f64) -> f64 {
     }
 }
 
-/// Point `i` of a sequence that fills the unit square evenly: multiples of the powers of the plastic number (Roberts 2018).
+/// Point `i` of a sequence that fills the unit square evenly: multiples of the powers of the
+/// plastic number (Roberts 2018).
 fn point(i: usize) -> [f64; 2] {
     const PLASTIC: f64 = 1.324_717_957_244_746;
     let i = i as f64 + 0.5;

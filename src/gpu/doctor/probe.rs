@@ -5,8 +5,9 @@ use crate::gpu::Context;
 use crate::gpu::buffer::GpuBuffer;
 use crate::gpu::shader::{self, KernelConstants};
 
-/// Runs the entry point of module `kernel::{name}`, which has the same name: `inputs` are the words of its binding 1, where
-/// there are any, and the answer those of its binding 0, `outputs` words that begin as zeros.
+/// Runs the entry point of module `kernel::{name}`, which has the same name: `inputs` are the words
+/// of its binding 1, where there are any, and the answer those of its binding 0, `outputs` words
+/// that begin as zeros.
 ///
 /// # Errors
 /// The kernel does not compile or the driver fails.

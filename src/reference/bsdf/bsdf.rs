@@ -32,7 +32,8 @@ pub struct BsdfSample {
     pub specular: bool,
 }
 
-/// Probability of sampling the GGX lobe: its share of the reflected luminance, estimated at the mirror direction.
+/// Probability of sampling the GGX lobe: its share of the reflected luminance, estimated at the
+/// mirror direction.
 pub fn specular_share(diffuse: DVec3, lobe: &SpecularLobe, cos_o: f64) -> f64 {
     let f = fresnel(&lobe.fresnel, cos_o);
     let s = luminance(f);

@@ -1,5 +1,5 @@
-//! What a smooth surface reflects; see `shaders/bsdf/fresnel.wesl`. The equations are written in their textbook forms, with
-//! complex numbers where the index of refraction is one.
+//! What a smooth surface reflects; see `shaders/bsdf/fresnel.wesl`. The equations are written in
+//! their textbook forms, with complex numbers where the index of refraction is one.
 
 use crate::reference::exact::fresnel::dielectric_reflectance;
 use crate::scene::material::Fresnel;
@@ -38,8 +38,8 @@ fn square_root(z: DVec2) -> DVec2 {
     z.length().sqrt() * DVec2::new(cos, sin)
 }
 
-/// Fresnel's amplitudes (c − n_t)/(c + n_t) and (n²c − n_t)/(n²c + n_t) with complex n = η + ik, n_t = √(n² − sin²θ), squared
-/// and averaged.
+/// Fresnel's amplitudes (c − n_t)/(c + n_t) and (n²c − n_t)/(n²c + n_t) with complex n = η + ik,
+/// n_t = √(n² − sin²θ), squared and averaged.
 pub fn fresnel_conductor(cos_i: f64, eta: DVec3, k: DVec3) -> DVec3 {
     let in_channel = |c: usize| {
         let n = DVec2::new(eta[c], k[c]);

@@ -1,5 +1,5 @@
-//! The reference's own hierarchy: a binary BVH of f64 boxes by binned surface-area heuristic, over the same primitives
-//! as the renderer's but not built from it.
+//! The reference's own hierarchy: a binary BVH of f64 boxes by binned surface-area heuristic, over
+//! the same primitives as the renderer's but not built from it.
 
 use glam::DVec3;
 
@@ -40,8 +40,9 @@ impl Aabb {
     }
 }
 
-/// Where the ray `origin + t / inv_direction` enters the box within [0, t_max]; `None` where it misses. Boxes are
-/// padded by the build, so rounding loses nothing; a NaN of 0·∞ counts as inside, since `max` and `min` drop it.
+/// Where the ray `origin + t / inv_direction` enters the box within [0, t_max]; `None` where it
+/// misses. Boxes are padded by the build, so rounding loses nothing; a NaN of 0·∞ counts as inside,
+/// since `max` and `min` drop it.
 pub fn enter_box(origin: DVec3, inv_direction: DVec3, aabb: &Aabb, t_max: f64) -> Option<f64> {
     let (mut enter, mut leave) = (0.0_f64, t_max);
     for axis in 0..3 {
@@ -129,7 +130,8 @@ impl Bvh {
     }
 }
 
-/// Reorders `order` into two halves and returns where the second begins; `None` where all centres coincide.
+/// Reorders `order` into two halves and returns where the second begins; `None` where all centres
+/// coincide.
 fn partition(boxes: &[Aabb], order: &mut [u32]) -> Option<usize> {
     let centers = order.iter().fold(Aabb::EMPTY, |a, &i| {
         let c = boxes[i as usize].center();

@@ -13,8 +13,8 @@ pub struct ShadingFrame {
     pub z: DVec3,
 }
 
-/// The frame around the unit vector `z` that the shaders build (Duff et al. 2017, "Building an Orthonormal Basis,
-/// Revisited"): directions sampled in it depend on which one it is.
+/// The frame around the unit vector `z` that the shaders build (Duff et al. 2017, "Building an
+/// Orthonormal Basis, Revisited"): directions sampled in it depend on which one it is.
 pub fn frame_from_normal(z: DVec3) -> ShadingFrame {
     let s = if z.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (s + z.z);

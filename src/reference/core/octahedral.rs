@@ -1,3 +1,4 @@
-//! Unit vectors in two numbers; see `shaders/core/octahedral.wesl`. What is encoded is decoded in one place.
+//! Unit vectors in two numbers; see `shaders/core/octahedral.wesl`. What is encoded is decoded in
+//! one place.
 
 pub use crate::accel::octahedral::from_octahedral;

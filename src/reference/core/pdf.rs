@@ -43,8 +43,8 @@ pub fn balance_heuristic(a: PdfSolidAngle, b: PdfSolidAngle) -> f64 {
     a / (a + b)
 }
 
-/// Density of `samples` samples together, each of which has the density `pdf`: what stands for it in the weights of
-/// several samples (Veach 1997, eq. 9.8).
+/// Density of `samples` samples together, each of which has the density `pdf`: what stands for it
+/// in the weights of several samples (Veach 1997, eq. 9.8).
 pub fn of_samples(samples: u32, pdf: PdfSolidAngle) -> PdfSolidAngle {
     PdfSolidAngle(f64::from(samples) * pdf.0)
 }

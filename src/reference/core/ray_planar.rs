@@ -1,5 +1,5 @@
-//! Intersection with planar primitives, by the plane's equation: another way than the shaders' edge functions, so that
-//! a mistake in one is not repeated in the other.
+//! Intersection with planar primitives, by the plane's equation: another way than the shaders' edge
+//! functions, so that a mistake in one is not repeated in the other.
 
 use super::ray::Ray;
 use glam::{DVec2, DVec3};

@@ -2,7 +2,8 @@
 
 use glam::DVec2;
 
-/// Four well-mixed words from four (Jarzynski & Olano 2020, "Hash Functions for GPU Rendering", pcg4d).
+/// Four well-mixed words from four (Jarzynski & Olano 2020, "Hash Functions for GPU Rendering",
+/// pcg4d).
 pub fn pcg4d(input: [u32; 4]) -> [u32; 4] {
     let mut v = input.map(|x| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
     mix(&mut v);

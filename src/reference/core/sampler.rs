@@ -18,11 +18,12 @@ pub const GROUP_LIGHT_TREE: u32 = 3;
 /// What decides which surfaces of an opacity stop the sample's rays; hashed further.
 pub const GROUP_OPACITY: u32 = 8;
 
-/// Group of the points on light 0, where every light has its own, or of a grid's first cell: light point x, light point
-/// y; –, –. That of the next follows.
+/// Group of the points on light 0, where every light has its own, or of a grid's first cell: light
+/// point x, light point y; –, –. That of the next follows.
 pub const GROUP_LIGHT_POINTS: u32 = 16;
 
-/// Group of the choice at a camera ray's first specular surface: way; –, –, –. That of the next follows.
+/// Group of the choice at a camera ray's first specular surface: way; –, –, –. That of the next
+/// follows.
 pub const GROUP_SPECULAR: u32 = 0x5bd1_e995;
 
 /// Names one sample of one pixel.
@@ -51,7 +52,8 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// Sample `index` of pixel `pixel` in a render with seed `seed`; even and odd samples are two replicates.
+    /// Sample `index` of pixel `pixel` in a render with seed `seed`; even and odd samples are two
+    /// replicates.
     pub fn sample_id(&self, pixel: u32, index: u64, seed: u32) -> SampleId {
         if self.sampler.is_independent() {
             return SampleId { pixel, index, seed };

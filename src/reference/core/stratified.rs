@@ -1,7 +1,7 @@
 //! Points of a jittered grid, in random order; integers as on the GPU.
 
-/// A permutation of the numbers up to `mask`, which has all its lower bits set, drawn by `seed` (Kensler 2013,
-/// "Correlated Multi-Jittered Sampling", listing 3, for powers of two).
+/// A permutation of the numbers up to `mask`, which has all its lower bits set, drawn by `seed`
+/// (Kensler 2013, "Correlated Multi-Jittered Sampling", listing 3, for powers of two).
 pub fn permute(x: u32, mask: u32, seed: u32) -> u32 {
     let mut y = x ^ seed;
     y = y.wrapping_mul(0xe170_893d);

@@ -2,8 +2,9 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-/// A cone of directions: its axis at angle β to the normal, its half angle σ. Rings of constant θ that it covers in part
-/// lie at θ = m − h cosτ, τ in [0, π]: from |β − σ| to β + σ, smooth at both ends.
+/// A cone of directions: its axis at angle β to the normal, its half angle σ. Rings of constant θ
+/// that it covers in part lie at θ = m − h cosτ, τ in [0, π]: from |β − σ| to β + σ, smooth at both
+/// ends.
 pub(super) struct Cap {
     /// β, in [0, π].
     pub beta: f64,
@@ -40,7 +41,8 @@ impl Cap {
 
     /// θ of the ring τ above the horizon, and the azimuth up to which it is covered:
     ///
-    /// sin²(φ/2) : cos²(φ/2) = sin½(σ+θ−β) sin½(σ−θ+β) : sin½(θ+β+σ) sin½(θ+β−σ), from the spherical law of cosines.
+    /// sin²(φ/2) : cos²(φ/2) = sin½(σ+θ−β) sin½(σ−θ+β) : sin½(θ+β+σ) sin½(θ+β−σ), from the
+    /// spherical law of cosines.
     pub(crate) fn ring(&self, tau: f64) -> (f64, f64) {
         let (m, h) = (self.middle(), self.spread());
         let low = h * (0.5 * tau).sin().powi(2);

@@ -1,13 +1,15 @@
 //! Adaptive cubature over a rectangle, with an error estimate.
 //!
-//! Each cell takes the tensor product of Kronrod's 15 points (Kronrod 1965) with itself. Where Gauss's 7 among them
-//! differ in one direction, the cell errs in that direction; the cell with the largest error is halved across it.
+//! Each cell takes the tensor product of Kronrod's 15 points (Kronrod 1965) with itself. Where
+//! Gauss's 7 among them differ in one direction, the cell errs in that direction; the cell with the
+//! largest error is halved across it.
 
 use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// When an integral is good enough: its error is below `absolute`, or below `relative` times its largest component.
+/// When an integral is good enough: its error is below `absolute`, or below `relative` times its
+/// largest component.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
     /// In the integral's unit; 0 for none.
@@ -31,8 +33,9 @@ impl Tolerance {
 pub struct Estimate {
     /// The integral.
     pub value: DVec3,
-    /// Difference to the rule of lower degree, summed over the cells. For integrands that the cells resolve it is above
-    /// the error by orders of magnitude. It may exceed the tolerance when [`MAX_CELLS`] were not enough.
+    /// Difference to the rule of lower degree, summed over the cells. For integrands that the cells
+    /// resolve it is above the error by orders of magnitude. It may exceed the tolerance when
+    /// [`MAX_CELLS`] were not enough.
     pub error: f64,
 }
 
@@ -165,9 +168,9 @@ impl Ord for Cell {
 
 /// Integrates `f` over the rectangle from the first to the last of the ascending `u` and `v`.
 ///
-/// What stands between them cuts the rectangle at the start: put it where the integrand peaks or bends, because a peak
-/// that lies between all points of the first cells is not seen. Next to a cut the points are densest, 0.4 % of a cell
-/// from it.
+/// What stands between them cuts the rectangle at the start: put it where the integrand peaks or
+/// bends, because a peak that lies between all points of the first cells is not seen. Next to a cut
+/// the points are densest, 0.4 % of a cell from it.
 pub fn integrate(
     f: impl Fn(f64, f64) -> DVec3,
     u: &[f64],
@@ -221,7 +224,8 @@ mod tests {
 
     #[test]
     fn the_rules_have_their_degrees() {
-        // Gauss's 7 points are exact to degree 13, Kronrod's 15 to degree 23 (22, and odd ones by symmetry).
+        // Gauss's 7 points are exact to degree 13, Kronrod's 15 to degree 23 (22, and odd ones by
+        // symmetry).
         for degree in 0..24 {
             let exact = if degree % 2 == 0 {
                 2.0 / (f64::from(degree) + 1.0)

@@ -4,8 +4,9 @@
 //!     L_o = ∫_A L f_r cosθ cosθ'/d² dA = ∫_Ω L f_r cosθ dω
 //! ```
 //!
-//! The horizon is a border of the domain of integration, and the domain is cut where the integrand may peak, so that
-//! lights partly below the horizon, near lights and narrow lobes converge as well.
+//! The horizon is a border of the domain of integration, and the domain is cut where the integrand
+//! may peak, so that lights partly below the horizon, near lights and narrow lobes converge as
+//! well.
 
 use super::cubature::{Estimate, Tolerance};
 use super::domain::View;
@@ -64,9 +65,9 @@ pub struct AreaLight {
 
 /// Radiance that `receiver` reflects towards unit direction `wo`, lit by `light` without occlusion.
 ///
-/// `bsdf` is f_r as a function of the unit direction towards the light, in 1/sr and without the cosine. `wo` serves only
-/// to find the lobe: the domain is cut in its mirror direction. The result's `error` tells whether the tolerance was
-/// met.
+/// `bsdf` is f_r as a function of the unit direction towards the light, in 1/sr and without the
+/// cosine. `wo` serves only to find the lobe: the domain is cut in its mirror direction. The
+/// result's `error` tells whether the tolerance was met.
 pub fn direct_lighting(
     receiver: &Receiver,
     wo: DVec3,
@@ -100,8 +101,8 @@ pub fn direct_lighting(
     }
 }
 
-/// The configuration factor of `shape` by cubature to a relative `tolerance`, for closed forms to be held against, and the
-/// bound of its error.
+/// The configuration factor of `shape` by cubature to a relative `tolerance`, for closed forms to
+/// be held against, and the bound of its error.
 #[cfg(test)]
 pub(super) fn factor_by_cubature(receiver: &Receiver, shape: Shape, tolerance: f64) -> (f64, f64) {
     let light = AreaLight {

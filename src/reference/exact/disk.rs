@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
-/// A disk of `radius` r, parallel to the receiver at `height` h > 0, its centre `offset` a sideways.
+/// A disk of `radius` r, parallel to the receiver at `height` h > 0, its centre `offset` a
+/// sideways.
 ///
-/// F = ½[1 − (Z − 2R²)/√(Z² − 4R²)] with H = h/a, R = r/a, Z = 1 + H² + R² (Hamilton & Morgan 1952), rearranged so that
-/// neither a small disk nor a = 0 cancels.
+/// F = ½[1 − (Z − 2R²)/√(Z² − 4R²)] with H = h/a, R = r/a, Z = 1 + H² + R² (Hamilton & Morgan
+/// 1952), rearranged so that neither a small disk nor a = 0 cancels.
 pub fn disk_parallel(height: f64, radius: f64, offset: f64) -> f64 {
     let root = spread(height, radius, offset);
     let rest = offset * offset + height * height - radius * radius;
@@ -16,11 +17,12 @@ pub fn disk_parallel(height: f64, radius: f64, offset: f64) -> f64 {
     }
 }
 
-/// A disk of `radius` r whose axis is perpendicular to the receiver's normal: the receiver lies `height` h > 0 before the
-/// disk's plane and `offset` a ≥ r beside its axis, its normal pointing towards the axis.
+/// A disk of `radius` r whose axis is perpendicular to the receiver's normal: the receiver lies
+/// `height` h > 0 before the disk's plane and `offset` a ≥ r beside its axis, its normal pointing
+/// towards the axis.
 ///
-/// F = (H/2)[Z/√(Z² − 4R²) − 1] with H = h/a, R = r/a, Z = 1 + H² + R² (Hamilton & Morgan 1952), rearranged likewise. Below
-/// a = r the horizon cuts the disk, and the formula does not hold.
+/// F = (H/2)[Z/√(Z² − 4R²) − 1] with H = h/a, R = r/a, Z = 1 + H² + R² (Hamilton & Morgan 1952),
+/// rearranged likewise. Below a = r the horizon cuts the disk, and the formula does not hold.
 pub fn disk_perpendicular(height: f64, radius: f64, offset: f64) -> f64 {
     debug_assert!(offset >= radius);
     let root = spread(height, radius, offset);
@@ -33,11 +35,12 @@ fn spread(height: f64, radius: f64, offset: f64) -> f64 {
     height.hypot(offset - radius) * height.hypot(offset + radius)
 }
 
-/// A disk anywhere that lies above the receiver's horizon as a whole, or below it (then 0). `normal` and `axis` have unit
-/// length; either side of the disk counts. `None` when the horizon cuts the disk.
+/// A disk anywhere that lies above the receiver's horizon as a whole, or below it (then 0).
+/// `normal` and `axis` have unit length; either side of the disk counts. `None` when the horizon
+/// cuts the disk.
 ///
-/// Above the horizon irradiance is linear in the receiver's normal, so its part along the axis and its part towards the
-/// axis give all.
+/// Above the horizon irradiance is linear in the receiver's normal, so its part along the axis and
+/// its part towards the axis give all.
 pub fn disk_factor(
     point: DVec3,
     normal: DVec3,

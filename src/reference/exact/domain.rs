@@ -1,5 +1,5 @@
-//! Domains of integration: polygons, disks and spheres mapped from rectangles, each so that the integrand of direct
-//! lighting stays smooth up to the rim and the horizon.
+//! Domains of integration: polygons, disks and spheres mapped from rectangles, each so that the
+//! integrand of direct lighting stays smooth up to the rim and the horizon.
 
 use super::cap::Cap;
 use super::cubature::{Estimate, Tolerance, integrate};
@@ -26,8 +26,9 @@ impl View {
         bsdf(q / d2.sqrt()) * (rise * height / (d2 * d2))
     }
 
-    /// Points of a plane through `origin` with this unit normal at signed distance `height` where the integrand may peak:
-    /// the one nearest to the receiver, then the one in the mirror direction.
+    /// Points of a plane through `origin` with this unit normal at signed distance `height` where
+    /// the integrand may peak: the one nearest to the receiver, then the one in the mirror
+    /// direction.
     fn hints(&self, plane: DVec3, height: f64) -> Vec<DVec3> {
         let reach = height / plane.dot(self.mirror);
         let mut hints = vec![plane * height];
@@ -61,7 +62,8 @@ impl View {
         };
         let mut sum = Estimate::ZERO;
         for [a, b, c] in triangles {
-            // Duffy 1982: the first vertex is the side u = 0, where points are dense; dA = |(b − a)×(c − a)| u du dv.
+            // Duffy 1982: the first vertex is the side u = 0, where points are dense; dA = |(b −
+            // a)×(c − a)| u du dv.
             let jacobian = (b - a).cross(c - a).length();
             let f = |u: f64, v: f64| {
                 let q = a + ((b - a) * (1.0 - v) + (c - a) * v) * u;

@@ -4,13 +4,14 @@ use crate::scene::ellipsoid::{PrincipalAxes, rotation};
 use glam::{DMat2, DMat3, DVec3};
 use std::f64::consts::PI;
 
-/// The ellipsoid `centre` + M·p, |p| ≤ 1, with M = `axes`; 1 within, where it then has to emit inwards. `None` when the
-/// receiver's horizon cuts it.
+/// The ellipsoid `centre` + M·p, |p| ≤ 1, with M = `axes`; 1 within, where it then has to emit
+/// inwards. `None` when the receiver's horizon cuts it.
 ///
-/// An ellipsoid is seen in an elliptic cone, whose axes are the normals of the three quadrics through the point that are
-/// confocal with it, Σ pᵢ²/(σᵢ² + λ) = 1 (Salmon, *A Treatise on the Analytic Geometry of Three Dimensions*), and whose
-/// surface is Σ ξⱼ²/λⱼ = 0. The directions of a cone with half angles α and β, projected along its axis, fill the ellipse
-/// with half axes sin α and sin β, and across the axis they cancel:
+/// An ellipsoid is seen in an elliptic cone, whose axes are the normals of the three quadrics
+/// through the point that are confocal with it, Σ pᵢ²/(σᵢ² + λ) = 1 (Salmon, *A Treatise on the
+/// Analytic Geometry of Three Dimensions*), and whose surface is Σ ξⱼ²/λⱼ = 0. The directions of a
+/// cone with half angles α and β, projected along its axis, fill the ellipse with half axes sin α
+/// and sin β, and across the axis they cancel:
 ///
 /// ```text
 ///     F = sin α sin β cosθ,    sin²α = −λ₂/(λ₁ − λ₂),    sin²β = −λ₃/(λ₁ − λ₃)
@@ -43,7 +44,8 @@ pub fn ellipsoid_factor(point: DVec3, normal: DVec3, centre: DVec3, axes: DMat3)
     Some(sines * axis.dot(normal))
 }
 
-/// The λ between `low` and `high`, two poles or beyond all, at which Σ pᵢ²/(σᵢ² + λ), which falls there, is 1.
+/// The λ between `low` and `high`, two poles or beyond all, at which Σ pᵢ²/(σᵢ² + λ), which falls
+/// there, is 1.
 fn confocal_parameter(p: DVec3, squares: DVec3, mut low: f64, mut high: f64) -> f64 {
     loop {
         let at = 0.5 * (low + high);
@@ -58,8 +60,8 @@ fn confocal_parameter(p: DVec3, squares: DVec3, mut low: f64, mut high: f64) -> 
     }
 }
 
-/// Area of the outline of the ellipsoid with the map `axes`, projected along `direction` onto the plane with the unit normal
-/// `normal`: its outline, or its shadow.
+/// Area of the outline of the ellipsoid with the map `axes`, projected along `direction` onto the
+/// plane with the unit normal `normal`: its outline, or its shadow.
 pub fn outline_area(axes: DMat3, direction: DVec3, normal: DVec3) -> f64 {
     let (u, v) = normal.any_orthonormal_pair();
     let slide = |p: DVec3| p - direction * (p.dot(normal) / direction.dot(normal));
@@ -95,8 +97,8 @@ mod tests {
         ]
     }
 
-    /// (1/π) ∫ cosθ dω over the outline's ellipse c + x u + y v, on which dω = |det (u v c)|/|c + x u + y v|³ dx dy: the
-    /// trapezoid rule around, the midpoint rule in the squared radius.
+    /// (1/π) ∫ cosθ dω over the outline's ellipse c + x u + y v, on which dω = |det (u v c)|/|c + x
+    /// u + y v|³ dx dy: the trapezoid rule around, the midpoint rule in the squared radius.
     fn factor_by_quadrature(normal: DVec3, to_centre: DVec3, axes: DMat3) -> f64 {
         let q = axes.inverse() * to_centre;
         let part = 1.0 - 1.0 / q.length_squared();

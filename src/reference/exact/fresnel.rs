@@ -1,12 +1,13 @@
 //! Fresnel's equations for unpolarised light and a dielectric.
 
-/// Reflectance at an interface with relative index of refraction `eta` = n_t/n_i > 0, the incident direction at an angle
-/// with cosine `cos_i` in [0, 1]. 1 in total reflection.
+/// Reflectance at an interface with relative index of refraction `eta` = n_t/n_i > 0, the incident
+/// direction at an angle with cosine `cos_i` in [0, 1]. 1 in total reflection.
 pub fn dielectric_reflectance(cos_i: f64, eta: f64) -> f64 {
     reflectance_of_excess(cos_i, eta - 1.0)
 }
 
-/// [`dielectric_reflectance`] for `eta` = 1 + `excess`, exact also where the indices are all but equal:
+/// [`dielectric_reflectance`] for `eta` = 1 + `excess`, exact also where the indices are all but
+/// equal:
 ///
 /// ```text
 ///     r_s = −(η²−1)/(c + ηt)²,   r_p = (η²−1)((η²+1)c² − 1)/(η²(ηc + t)²),   c = cosθ_i, t = cosθ_t
@@ -33,7 +34,8 @@ pub fn critical_angle(eta: f64) -> Option<f64> {
     (eta < 1.0).then(|| eta.asin())
 }
 
-/// Brewster's angle of incidence in radians, at which the component in the plane of incidence is not reflected.
+/// Brewster's angle of incidence in radians, at which the component in the plane of incidence is
+/// not reflected.
 pub fn brewster_angle(eta: f64) -> f64 {
     eta.atan()
 }

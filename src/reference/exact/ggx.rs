@@ -6,8 +6,8 @@ use super::cubature::{Tolerance, integrate};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// D(h), the density of microfacet normals, in 1/sr: α²/(π((hx² + hy²) + α²hz²)²) with |h| = 1 (Walter et al. 2007,
-/// equation 33). Without cancellation for small α. 0 below the surface.
+/// D(h), the density of microfacet normals, in 1/sr: α²/(π((hx² + hy²) + α²hz²)²) with |h| = 1
+/// (Walter et al. 2007, equation 33). Without cancellation for small α. 0 below the surface.
 pub fn distribution(h: DVec3, alpha: f64) -> f64 {
     if h.z <= 0.0 {
         return 0.0;
@@ -17,8 +17,8 @@ pub fn distribution(h: DVec3, alpha: f64) -> f64 {
     a2 / (PI * t * t)
 }
 
-/// G₂/(4 cosθ_o cosθ_i) with height-correlated Smith shadowing (Heitz 2014, equation 99), finite at grazing angles:
-/// ½/(μ_o√(μ_i² + α²(1 − μ_i²)) + μ_i√(μ_o² + α²(1 − μ_o²))), μ the cosines.
+/// G₂/(4 cosθ_o cosθ_i) with height-correlated Smith shadowing (Heitz 2014, equation 99), finite at
+/// grazing angles: ½/(μ_o√(μ_i² + α²(1 − μ_i²)) + μ_i√(μ_o² + α²(1 − μ_o²))), μ the cosines.
 pub fn visibility(wo: DVec3, wi: DVec3, alpha: f64) -> f64 {
     let root = |w: DVec3| (w.z * w.z + alpha * alpha * (w.x * w.x + w.y * w.y)).sqrt();
     0.5 / (wo.z * root(wi) + wi.z * root(wo))
@@ -34,7 +34,8 @@ pub struct Lobe {
 }
 
 impl Lobe {
-    /// f_r(wo, wi) in 1/sr: D·G₂·F/(4 cosθ_o cosθ_i), F = F₀ + (1 − F₀)(1 − wo·h)⁵. 0 unless both are above the surface.
+    /// f_r(wo, wi) in 1/sr: D·G₂·F/(4 cosθ_o cosθ_i), F = F₀ + (1 − F₀)(1 − wo·h)⁵. 0 unless both
+    /// are above the surface.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> DVec3 {
         let Some((weight, fifth)) = unit_lobe(wo, wi, self.alpha) else {
             return DVec3::ZERO;
@@ -69,8 +70,8 @@ impl Albedo {
     }
 }
 
-/// Directional albedo of a GGX lobe of width `alpha` for an outgoing direction with cosine `cos_o` in (0, 1], by cubature
-/// with an error below 1e-11.
+/// Directional albedo of a GGX lobe of width `alpha` for an outgoing direction with cosine `cos_o`
+/// in (0, 1], by cubature with an error below 1e-11.
 pub fn directional_albedo(alpha: f64, cos_o: f64) -> Albedo {
     let sin_o = ((1.0 - cos_o) * (1.0 + cos_o)).sqrt();
     let wo = DVec3::new(sin_o, 0.0, cos_o);

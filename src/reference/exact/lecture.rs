@@ -3,7 +3,8 @@
 /// The integral of x over [0, 4].
 pub const INTEGRAL: f64 = 8.0;
 
-/// The density p(x) = `constant` + `slope`·x on [0, 4]: not negative, its integral 4·constant + 8·slope = 1.
+/// The density p(x) = `constant` + `slope`·x on [0, 4]: not negative, its integral 4·constant +
+/// 8·slope = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearDensity {
     /// p(0).

@@ -1,8 +1,9 @@
 //! Closed forms and quadrature for a single receiver: what a pixel must be, to ten digits and more.
 //!
-//! Every configuration factor is F = E/(πL): the irradiance E at the receiver, over what a hemisphere of the light's
-//! radiance L would give. A Lambertian surface of reflectance ρ then shows the radiance ρ·L·F. All is in f64 and in the
-//! scene's own units; but for [`mod@scene`], which looks at a whole scene, nothing here knows of the renderer.
+//! Every configuration factor is F = E/(πL): the irradiance E at the receiver, over what a
+//! hemisphere of the light's radiance L would give. A Lambertian surface of reflectance ρ then
+//! shows the radiance ρ·L·F. All is in f64 and in the scene's own units; but for [`mod@scene`],
+//! which looks at a whole scene, nothing here knows of the renderer.
 
 mod cap;
 pub mod cubature;

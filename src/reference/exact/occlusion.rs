@@ -1,16 +1,18 @@
 //! Exact visibility of a polygonal light behind convex occluders.
 //!
-//! A convex occluder hides from the receiver the cone of directions through it, as far as it lies beyond the occluder's
-//! plane: an intersection of half-spaces. What an intersection of half-spaces leaves of a convex polygon is a few convex
-//! polygons, so the light is cut until only visible pieces are left, and Lambert's formula holds for each.
+//! A convex occluder hides from the receiver the cone of directions through it, as far as it lies
+//! beyond the occluder's plane: an intersection of half-spaces. What an intersection of half-spaces
+//! leaves of a convex polygon is a few convex polygons, so the light is cut until only visible
+//! pieces are left, and Lambert's formula holds for each.
 
 use super::polygon::{polygon_factor, split};
 use glam::DVec3;
 
-/// The convex pieces of the convex polygon `light` that `point` sees past convex planar `occluders`, which may overlap.
+/// The convex pieces of the convex polygon `light` that `point` sees past convex planar
+/// `occluders`, which may overlap.
 ///
-/// Pieces do not overlap and keep the light's orientation. An occluder in the light's plane or in a plane through
-/// `point` hides nothing.
+/// Pieces do not overlap and keep the light's orientation. An occluder in the light's plane or in a
+/// plane through `point` hides nothing.
 pub fn visible_pieces(point: DVec3, light: &[DVec3], occluders: &[Vec<DVec3>]) -> Vec<Vec<DVec3>> {
     let mut pieces = vec![light.to_vec()];
     for occluder in occluders {
@@ -126,7 +128,8 @@ mod tests {
         })
     }
 
-    /// CIE 171:2006, 5.7: a room of 4 × 4 × 3 m whose wall y = 4 emits, a box y 2.5–2.7, z 0–1 of full width before it.
+    /// CIE 171:2006, 5.7: a room of 4 × 4 × 3 m whose wall y = 4 emits, a box y 2.5–2.7, z 0–1 of
+    /// full width before it.
     #[test]
     fn configuration_factors_behind_a_box() {
         let wall = rectangle(DVec3::new(0.0, 4.0, 0.0), DVec3::X * 4.0, DVec3::Z * 3.0);
@@ -179,8 +182,9 @@ mod tests {
         let pieces = visible_pieces(point, &light, &occluders);
         let exact = visible_factor(point, normal, &light, &occluders);
 
-        // Midpoints of n × n cells: a cell that a shadow's border crosses errs by at most its own factor, and each of
-        // the 10 edges crosses at most 2n cells, with random signs; 4.9 standard deviations are 1e-6.
+        // Midpoints of n × n cells: a cell that a shadow's border crosses errs by at most its own
+        // factor, and each of the 10 edges crosses at most 2n cells, with random signs; 4.9
+        // standard deviations are 1e-6.
         let n = 1000;
         let (a, b) = (light[1] - light[0], light[3] - light[0]);
         let light_normal = a.cross(b);

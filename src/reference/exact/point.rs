@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-/// Irradiance from a point light of radiant `intensity` I: I cosθ/d². 0 below the horizon, and at the light itself.
+/// Irradiance from a point light of radiant `intensity` I: I cosθ/d². 0 below the horizon, and at
+/// the light itself.
 pub fn point_irradiance(point: DVec3, normal: DVec3, light: DVec3, intensity: f64) -> f64 {
     let to_light = light - point;
     let d2 = to_light.length_squared();
@@ -13,8 +14,8 @@ pub fn point_irradiance(point: DVec3, normal: DVec3, light: DVec3, intensity: f6
     intensity * rise / (d2 * d2.sqrt())
 }
 
-/// Irradiance from a directional light that comes from unit direction `towards`, of irradiance `perpendicular` on a
-/// surface that faces it: perpendicular·cosθ.
+/// Irradiance from a directional light that comes from unit direction `towards`, of irradiance
+/// `perpendicular` on a surface that faces it: perpendicular·cosθ.
 pub fn directional_irradiance(normal: DVec3, towards: DVec3, perpendicular: f64) -> f64 {
     perpendicular * normal.dot(towards).max(0.0)
 }

@@ -6,17 +6,17 @@ use std::f64::consts::TAU;
 /// Relative distance from a plane up to which a vertex counts as lying in it.
 const ON_PLANE: f64 = 1e-14;
 
-/// Configuration factor F = E/(πL), in [−1, 1], of a planar polygon with constant radiance, seen from `point` with unit
-/// `normal`. The part below the receiver's horizon is cut off.
+/// Configuration factor F = E/(πL), in [−1, 1], of a planar polygon with constant radiance, seen
+/// from `point` with unit `normal`. The part below the receiver's horizon is cut off.
 ///
 /// ```text
 ///     F = −(1/2π) Σ θ_i Γ_i·n,    θ_i the angle of edge i as seen from the receiver, Γ_i the unit normal of its plane
 /// ```
 ///
-/// (Lambert 1760; Baum, Rushmeier & Winget 1989, equation 7.) F is positive when the polygon's vertices run
-/// counter-clockwise as seen from the receiver, that is when its normal by the right-hand rule points to the receiver's
-/// side: a one-sided light gives `F.max(0)`, a two-sided one `F.abs()`. The polygon need not be convex. A receiver in
-/// the polygon's plane sees 0.
+/// (Lambert 1760; Baum, Rushmeier & Winget 1989, equation 7.) F is positive when the polygon's
+/// vertices run counter-clockwise as seen from the receiver, that is when its normal by the
+/// right-hand rule points to the receiver's side: a one-sided light gives `F.max(0)`, a two-sided
+/// one `F.abs()`. The polygon need not be convex. A receiver in the polygon's plane sees 0.
 ///
 /// Absolute error about 1e-16 times the angle that the polygon's edges span.
 pub fn polygon_factor(point: DVec3, normal: DVec3, vertices: &[DVec3]) -> f64 {
@@ -37,9 +37,10 @@ pub fn polygon_factor(point: DVec3, normal: DVec3, vertices: &[DVec3]) -> f64 {
     -sum / TAU
 }
 
-/// Cuts a polygon, its vertices relative to a point of the plane, by the plane with this normal (Sutherland & Hodgman
-/// 1974): the part on the normal's side, and the part on the other. A part without area is empty; of a polygon that
-/// lies in the plane both are. Exact for convex polygons; others may keep bridges of no width along the plane.
+/// Cuts a polygon, its vertices relative to a point of the plane, by the plane with this normal
+/// (Sutherland & Hodgman 1974): the part on the normal's side, and the part on the other. A part
+/// without area is empty; of a polygon that lies in the plane both are. Exact for convex polygons;
+/// others may keep bridges of no width along the plane.
 pub(super) fn split(polygon: &[DVec3], normal: DVec3) -> (Vec<DVec3>, Vec<DVec3>) {
     let reach = polygon.iter().fold(0.0_f64, |m, v| m.max(v.length()));
     let limit = ON_PLANE * reach * normal.length();

@@ -1,5 +1,5 @@
-//! Exact direct lighting of a whole scene, where all surfaces are polygons: every light is clipped against the shadow
-//! volumes of all others, and what is left of it is integrated.
+//! Exact direct lighting of a whole scene, where all surfaces are polygons: every light is clipped
+//! against the shadow volumes of all others, and what is left of it is integrated.
 
 use super::cubature::{Estimate, Tolerance};
 use super::direct::{AreaLight, Receiver, Shape, direct_lighting};
@@ -225,8 +225,8 @@ impl<'a> ExactScene<'a> {
         sum
     }
 
-    /// Polygons that may hide a light from `point`: all but `except`, and those whose back faces the point and does not
-    /// exist.
+    /// Polygons that may hide a light from `point`: all but `except`, and those whose back faces
+    /// the point and does not exist.
     fn occluders(&self, point: DVec3, except: [u32; 2]) -> Vec<Vec<DVec3>> {
         let hides = |i: &usize| {
             let polygon = &self.polygons[*i];
@@ -241,7 +241,8 @@ impl<'a> ExactScene<'a> {
     /// What the surface reflects of a light without area.
     fn of_delta(&self, s: &Surface, light: &Light) -> Estimate {
         let n = s.frame.z;
-        // Direction to the light, the end of the shadow ray, and irradiance per unit of the light's colour.
+        // Direction to the light, the end of the shadow ray, and irradiance per unit of the light's
+        // colour.
         let (towards, end, irradiance, colour) = match *light {
             Light::Point(PointLight {
                 position,

@@ -3,12 +3,12 @@
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Solid angle of a triangle as seen from `point`, with the sign of its side: positive when its vertices run
-/// counter-clockwise as seen from there.
+/// Solid angle of a triangle as seen from `point`, with the sign of its side: positive when its
+/// vertices run counter-clockwise as seen from there.
 ///
-/// tan(Ω/2) = −a·(e₁×e₂) / (|a||b||c| + (a·b)|c| + (a·c)|b| + (b·c)|a|) (Van Oosterom & Strackee 1983), with the edges
-/// e₁ = b − a and e₂ = c − a in the determinant, which keeps it exact for a small distant triangle. In (−2π, 2π); 0 in
-/// the triangle's plane.
+/// tan(Ω/2) = −a·(e₁×e₂) / (|a||b||c| + (a·b)|c| + (a·c)|b| + (b·c)|a|) (Van Oosterom & Strackee
+/// 1983), with the edges e₁ = b − a and e₂ = c − a in the determinant, which keeps it exact for a
+/// small distant triangle. In (−2π, 2π); 0 in the triangle's plane.
 pub fn triangle_solid_angle(point: DVec3, vertices: [DVec3; 3]) -> f64 {
     let [a, b, c] = vertices.map(|v| v - point);
     let determinant = a.dot((vertices[1] - vertices[0]).cross(vertices[2] - vertices[0]));
@@ -31,8 +31,8 @@ pub fn polygon_solid_angle(point: DVec3, vertices: &[DVec3]) -> f64 {
         .sum()
 }
 
-/// Solid angle of a circular cone whose half angle has this sine, at most π/2: 2πs²/(1 + √(1 − s²)). A sphere of radius
-/// r at distance d has s = r/d.
+/// Solid angle of a circular cone whose half angle has this sine, at most π/2: 2πs²/(1 + √(1 −
+/// s²)). A sphere of radius r at distance d has s = r/d.
 pub fn cone_solid_angle(sin_half_angle: f64) -> f64 {
     let s2 = sin_half_angle * sin_half_angle;
     TAU * s2 / (1.0 + (1.0 - s2).sqrt())

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A sphere, wherever it lies: above the receiver's horizon, cut by it or below it. 1 inside the sphere, which then has
-/// to emit inwards.
+/// A sphere, wherever it lies: above the receiver's horizon, cut by it or below it. 1 inside the
+/// sphere, which then has to emit inwards.
 pub fn sphere_factor(point: DVec3, normal: DVec3, centre: DVec3, radius: f64) -> f64 {
     let to_centre = centre - point;
     let distance = to_centre.length();
@@ -14,8 +14,8 @@ pub fn sphere_factor(point: DVec3, normal: DVec3, centre: DVec3, radius: f64) ->
     cone_factor(to_centre.dot(normal) / distance, radius / distance)
 }
 
-/// Constant radiance from a circular cone of directions whose half angle σ ≤ π/2 has the sine `sin_half_angle` > 0, its
-/// axis at the angle β with cosine `cos_axis` from the receiver's normal.
+/// Constant radiance from a circular cone of directions whose half angle σ ≤ π/2 has the sine
+/// `sin_half_angle` > 0, its axis at the angle β with cosine `cos_axis` from the receiver's normal.
 ///
 /// ```text
 ///     F = sin²σ cosβ                                                         while it is above the horizon
@@ -23,8 +23,8 @@ pub fn sphere_factor(point: DVec3, normal: DVec3, centre: DVec3, radius: f64) ->
 ///         x = cotσ,  y = −x cotβ,  s = sinβ √(1 − y²) = √(1 − (cosβ/sinσ)²)
 /// ```
 ///
-/// (Naraghi & Chung 1982 for the sphere.) For small cones atan(s/x) − s/x is summed as a series: F is of the third order
-/// in σ there, its terms of the first.
+/// (Naraghi & Chung 1982 for the sphere.) For small cones atan(s/x) − s/x is summed as a series: F
+/// is of the third order in σ there, its terms of the first.
 pub fn cone_factor(cos_axis: f64, sin_half_angle: f64) -> f64 {
     let sin2 = sin_half_angle * sin_half_angle;
     // Height of the cone's axis over the horizon in its own radii.
@@ -85,7 +85,8 @@ mod tests {
                     radius: 1.0,
                 };
                 let (integral, _) = factor_by_cubature(&Receiver { point, normal }, sphere, 1e-12);
-                // On the surface an error of 1e-16 in the cone's sine is one of its root in the cone.
+                // On the surface an error of 1e-16 in the cone's sine is one of its root in the
+                // cone.
                 let rounding = if distance <= 1.0 { 1e-7 } else { 1e-13 };
                 let bound = 1e-10 * factor + rounding / distance.powi(2);
                 assert!(

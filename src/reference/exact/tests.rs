@@ -1,4 +1,5 @@
-//! Every value of `tests/data/reference_values.txt`, which were computed by other means, against this module.
+//! Every value of `tests/data/reference_values.txt`, which were computed by other means, against
+//! this module.
 
 use super::lecture::LinearDensity;
 use super::solid_angle::{cone_solid_angle, polygon_solid_angle, triangle_solid_angle};
@@ -46,7 +47,8 @@ fn lambert(vertices: &[DVec3]) -> f64 {
 /// Two computations of the same value, both to be compared.
 type Values = Vec<f64>;
 
-/// What the file's line `name` should be; `gap` is that of the line before. Empty when the name is unknown.
+/// What the file's line `name` should be; `gap` is that of the line before. Empty when the name is
+/// unknown.
 fn values(name: &str, gap: f64) -> Values {
     let sections = [lecture, polygons, disks_and_spheres, solid_angles];
     let mut found: Values = sections.iter().flat_map(|s| s(name)).collect();

@@ -32,11 +32,11 @@ pub fn environment_cosine() -> f64 {
     0.0
 }
 
-/// A constant environment, one sample uniform over the hemisphere and one by the cosine, combined by the balance
-/// heuristic (Veach & Guibas 1995).
+/// A constant environment, one sample uniform over the hemisphere and one by the cosine, combined
+/// by the balance heuristic (Veach & Guibas 1995).
 ///
-/// With weights 1/(1+2μ) and 2μ/(1+2μ) the second moments add up to 4π²∫μ²/(1+2μ) dμ = ½π² ln 3; the means are
-/// π(1 − ½ ln 3) and what it lacks to π.
+/// With weights 1/(1+2μ) and 2μ/(1+2μ) the second moments add up to 4π²∫μ²/(1+2μ) dμ = ½π² ln 3;
+/// the means are π(1 − ½ ln 3) and what it lacks to π.
 pub fn environment_balance() -> f64 {
     let half_ln3 = 0.5 * 3.0_f64.ln();
     let uniform = PI * (1.0 - half_ln3);
@@ -46,8 +46,8 @@ pub fn environment_balance() -> f64 {
 
 /// As [`environment_balance`], by the power heuristic with exponent 2.
 ///
-/// With weights 1/(1+4μ²) and 4μ²/(1+4μ²) the second moments add up to
-/// 4π²∫μ²(1+8μ³)/(1+4μ²)² dμ = ¼π²(atan 2 + 22/5 − 2 ln 5); the means are ¼π ln 5 and what it lacks to π.
+/// With weights 1/(1+4μ²) and 4μ²/(1+4μ²) the second moments add up to 4π²∫μ²(1+8μ³)/(1+4μ²)² dμ =
+/// ¼π²(atan 2 + 22/5 − 2 ln 5); the means are ¼π ln 5 and what it lacks to π.
 pub fn environment_power() -> f64 {
     let ln5 = LN_10 - std::f64::consts::LN_2;
     let uniform = 0.25 * PI * ln5;
@@ -55,8 +55,8 @@ pub fn environment_power() -> f64 {
     0.25 * PI * PI * (2.0_f64.atan() + 4.4 - 2.0 * ln5) - uniform * uniform - cosine * cosine
 }
 
-/// A sphere straight above with sine `sin_half_angle` of its half angle, directions uniform in its cone: π²(1−c)⁴/3 with
-/// c = √(1−s²). The mean is πs².
+/// A sphere straight above with sine `sin_half_angle` of its half angle, directions uniform in its
+/// cone: π²(1−c)⁴/3 with c = √(1−s²). The mean is πs².
 pub fn sphere_by_cone(sin_half_angle: f64) -> f64 {
     let s2 = sin_half_angle * sin_half_angle;
     let k = s2 / (1.0 + (1.0 - s2).sqrt());
@@ -65,7 +65,8 @@ pub fn sphere_by_cone(sin_half_angle: f64) -> f64 {
 
 /// A disk of `radius` straight above and parallel at `height`, points uniform over its area.
 ///
-/// The sample is πR²h²/(h²+ρ²)², ρ² uniform in [0, R²]: second moment π²R²h⁴/3·(h⁻⁶ − (h²+R²)⁻³), mean πR²/(h²+R²).
+/// The sample is πR²h²/(h²+ρ²)², ρ² uniform in [0, R²]: second moment π²R²h⁴/3·(h⁻⁶ − (h²+R²)⁻³),
+/// mean πR²/(h²+R²).
 pub fn disk_by_area(radius: f64, height: f64) -> SampleMoments {
     let (r2, h2) = (radius * radius, height * height);
     let mean = PI * r2 / (h2 + r2);
@@ -76,7 +77,8 @@ pub fn disk_by_area(radius: f64, height: f64) -> SampleMoments {
     }
 }
 
-/// A rectangle of `width` by `depth`, parallel at `distance` and centred straight above, points uniform over its area.
+/// A rectangle of `width` by `depth`, parallel at `distance` and centred straight above, points
+/// uniform over its area.
 pub fn parallel_rectangle_by_area(width: f64, depth: f64, distance: f64) -> SampleMoments {
     let (x, y) = (0.5 * width, 0.5 * depth);
     let square = |u: f64, v: f64| {
@@ -97,10 +99,11 @@ pub fn parallel_rectangle_by_area(width: f64, depth: f64, distance: f64) -> Samp
     }
 }
 
-/// A wall of `width` by `height` that stands on the receiver's plane at `gap`, centred opposite to it, points uniform over
-/// its area.
+/// A wall of `width` by `height` that stands on the receiver's plane at `gap`, centred opposite to
+/// it, points uniform over its area.
 ///
-/// The second moment A∫(zc/d⁴)² dA is taken with y = c·sinh p, z = c·sinh q, because the integrand has the gap's size.
+/// The second moment A∫(zc/d⁴)² dA is taken with y = c·sinh p, z = c·sinh q, because the integrand
+/// has the gap's size.
 pub fn wall_by_area(width: f64, height: f64, gap: f64) -> SampleMoments {
     let half = 0.5 * width;
     let f = |p: f64, q: f64| {
@@ -128,7 +131,8 @@ pub fn wall_largest_sample() -> f64 {
     9.0 / (16.0 * 3.0_f64.sqrt())
 }
 
-/// What the second moment of [`parallel_rectangle_by_area`] times c²/A approaches for a small distance c: π/3.
+/// What the second moment of [`parallel_rectangle_by_area`] times c²/A approaches for a small
+/// distance c: π/3.
 pub fn parallel_second_moment_limit() -> f64 {
     PI / 3.0
 }

@@ -52,7 +52,8 @@ impl Direct<'_> {
         radiance * weight
     }
 
-    /// MIS weight of a BSDF sample that light sampling would have chosen with the density `pdf_light`.
+    /// MIS weight of a BSDF sample that light sampling would have chosen with the density
+    /// `pdf_light`.
     fn bsdf_weight(&self, pdf_bsdf: PdfSolidAngle, pdf_light: PdfSolidAngle) -> f64 {
         if !self.sample_lights {
             return 1.0;
@@ -63,7 +64,8 @@ impl Direct<'_> {
         BrokenTwin::weight(self.broken, weight)
     }
 
-    /// The part of a BSDF sample with density `pdf` that it has in the radiance of the suns in its direction.
+    /// The part of a BSDF sample with density `pdf` that it has in the radiance of the suns in its
+    /// direction.
     fn estimate_suns_by_bsdf(
         &self,
         direction: DVec3,
@@ -81,7 +83,8 @@ impl Direct<'_> {
         sum
     }
 
-    /// Radiance along `ray`, and the density with which light sampling from `s` would have chosen its direction.
+    /// Radiance along `ray`, and the density with which light sampling from `s` would have chosen
+    /// its direction.
     fn light_in_direction(
         &self,
         s: &Surface,
@@ -120,7 +123,8 @@ impl Direct<'_> {
         let place = (s.position, &s.frame);
         if let Some(map) = emission_map(world, light) {
             let on_square = emission_cell_margin(map, invert_light_area(geometry, hit.st));
-            // An angle moves the point by so much over the cosine, and as a part of the light's size.
+            // An angle moves the point by so much over the cosine, and as a part of the light's
+            // size.
             let size = geometry.area().sqrt() / hit.t;
             sample.conditions.cell_margin = on_square * size * y.cos_o;
         }

@@ -6,9 +6,9 @@ use crate::reference::scene::fetch::World;
 use crate::scene::FilmSize;
 use glam::DVec2;
 
-/// The ray through the point `film` of the image, in pixels from the upper left corner, and through the point of the lens
-/// that `lens` of the unit square maps to; unit direction, normalised space. All rays of a point of the image meet on the
-/// plane at the focus distance.
+/// The ray through the point `film` of the image, in pixels from the upper left corner, and through
+/// the point of the lens that `lens` of the unit square maps to; unit direction, normalised space.
+/// All rays of a point of the image meet on the plane at the focus distance.
 pub fn camera_ray(world: &World<'_>, size: FilmSize, film: DVec2, lens: DVec2) -> Ray {
     let prepared = world.prepared;
     let camera = prepared.data.normalization.camera(&prepared.camera);

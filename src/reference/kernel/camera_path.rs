@@ -36,8 +36,8 @@ pub fn ray_onwards(s: &Surface, wi: DVec3, transmitted: bool) -> Ray {
     }
 }
 
-/// Factor by which the surface of a primitive spreads the angle of a ray that met it at `surface`, having come the distance
-/// `t`.
+/// Factor by which the surface of a primitive spreads the angle of a ray that met it at `surface`,
+/// having come the distance `t`.
 fn spread(geometry: &PrimitiveGeometry, t: f64, surface: &Surface) -> f64 {
     let radius = match geometry {
         PrimitiveGeometry::Sphere { radius, .. } => Some(*radius),
@@ -73,8 +73,8 @@ fn record_way(sample: &mut Sample, way: Way) {
     sample.path.camera = sample.path.camera.map(|met| met ^ (way << 30));
 }
 
-/// Follows the camera ray of sample `id`: adds the radiance that it meets to `sample`, and finds the surface that is lit
-/// directly.
+/// Follows the camera ray of sample `id`: adds the radiance that it meets to `sample`, and finds
+/// the surface that is lit directly.
 pub fn follow_camera_ray(
     world: &World<'_>,
     first: Ray,

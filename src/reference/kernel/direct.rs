@@ -128,7 +128,8 @@ impl<'a> Direct<'a> {
         self.sample_along(&self.camera_ray(x, y, index), self.id(x, y, index))
     }
 
-    /// The same sample with its camera ray turned by so many radians to the right and up: what rounding the ray does to it.
+    /// The same sample with its camera ray turned by so many radians to the right and up: what
+    /// rounding the ray does to it.
     pub fn turned_sample(&self, (x, y): (u32, u32), index: u64, turn: DVec2) -> Sample {
         let camera = &self.world.prepared.camera;
         let mut ray = self.camera_ray(x, y, index);
@@ -223,8 +224,8 @@ impl<'a> Direct<'a> {
         }
     }
 
-    /// ∫ L_i f_r cosθ dω by light sampling: the mean of all light samples, or where every light has its own, the sum of
-    /// the lights' means.
+    /// ∫ L_i f_r cosθ dω by light sampling: the mean of all light samples, or where every light has
+    /// its own, the sum of the lights' means.
     fn estimate_by_light(&self, s: &Surface, id: SampleId, sample: &mut Sample) -> DVec3 {
         let emitters = &self.world.prepared.emitters;
         let rays = self.shadow_rays.rays();

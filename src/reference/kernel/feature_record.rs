@@ -14,7 +14,8 @@ pub struct Features {
     pub normal: DVec3,
 }
 
-/// Reflectance at normal incidence: what the specular lobe reflects, and the base and what passes through of the rest.
+/// Reflectance at normal incidence: what the specular lobe reflects, and the base and what passes
+/// through of the rest.
 pub fn albedo(m: &BsdfParameters) -> DVec3 {
     let f = m
         .specular

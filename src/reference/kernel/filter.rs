@@ -1,18 +1,18 @@
-//! Where in and around a pixel a sample lies: drawn in proportion to the pixel's filter, so that all samples weigh the same
-//! (Ernst, Stamminger & Greiner 2006, "Filter Importance Sampling").
+//! Where in and around a pixel a sample lies: drawn in proportion to the pixel's filter, so that
+//! all samples weigh the same (Ernst, Stamminger & Greiner 2006, "Filter Importance Sampling").
 
 use crate::scene::filter::{FILTER_CELLS, FilterTable};
 use glam::DVec2;
 
-/// The distribution function of the distance from the pixel's middle at the lower end of a cell, and the filter there over
-/// its peak.
+/// The distribution function of the distance from the pixel's middle at the lower end of a cell,
+/// and the filter there over its peak.
 fn filter_knot(table: &FilterTable, cell: usize) -> DVec2 {
     let [below, density] = table.knots[cell];
     DVec2::new(f64::from(below), f64::from(density))
 }
 
-/// t in [0, 1] with density proportional to (1 − t)·a + t·b, a > 0 and b ≥ 0: inverts (a t + (b − a) t²/2)/((a + b)/2) = u
-/// without cancellation (Pharr et al. 2023, §2.3.2).
+/// t in [0, 1] with density proportional to (1 − t)·a + t·b, a > 0 and b ≥ 0: inverts (a t + (b −
+/// a) t²/2)/((a + b)/2) = u without cancellation (Pharr et al. 2023, §2.3.2).
 pub fn sample_in_cell(u: f64, a: f64, b: f64) -> f64 {
     (u * (a + b) / (a + ((1.0 - u) * a * a + u * b * b).sqrt())).min(1.0)
 }

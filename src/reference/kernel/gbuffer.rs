@@ -22,8 +22,8 @@ pub struct SurfaceSeen {
     pub normal: DVec3,
 }
 
-/// The surface at the point `film` of the image, in pixels, through the centre of the lens; `crossings` decides which
-/// surfaces with an opacity are passed.
+/// The surface at the point `film` of the image, in pixels, through the centre of the lens;
+/// `crossings` decides which surfaces with an opacity are passed.
 pub fn surface_at_film(
     world: &World<'_>,
     size: FilmSize,

@@ -48,8 +48,8 @@ pub struct Conditions {
     pub bsdf_cos_surface: f64,
     /// Cosine at the light that it met.
     pub bsdf_cos_light: f64,
-    /// Distance to that light over its radius of curvature where it is a sphere or an ellipsoid, else 0: an angle moves the cosine by so much over
-    /// the cosine itself.
+    /// Distance to that light over its radius of curvature where it is a sphere or an ellipsoid,
+    /// else 0: an angle moves the cosine by so much over the cosine itself.
     pub bsdf_light_curvature: f64,
     /// GGX width of the surface.
     pub alpha: Option<f64>,
@@ -57,10 +57,11 @@ pub struct Conditions {
     pub spread: f64,
     /// Angle by which rounding its vertices to f32 turns the surface's normal.
     pub normal_rounding: f64,
-    /// Angle between the BSDF-sampled direction and the edge of its cell in the sampling grid of the environment, or of the
-    /// textured light that it met.
+    /// Angle between the BSDF-sampled direction and the edge of its cell in the sampling grid of
+    /// the environment, or of the textured light that it met.
     pub cell_margin: f64,
-    /// Least distance of a random word from where a decision of the light tree changes, relative to the words it is one of.
+    /// Least distance of a random word from where a decision of the light tree changes, relative to
+    /// the words it is one of.
     pub choice_margin: f64,
 }
 

@@ -1,4 +1,5 @@
-//! Sampling of lights with a surface: uniformly over its area, or over the solid angle in which a point sees it.
+//! Sampling of lights with a surface: uniformly over its area, or over the solid angle in which a
+//! point sees it.
 
 use super::disk::{pdf_disk_area, sample_disk_area};
 use super::ellipsoid::{Ellipsoid, EllipsoidView, pdf_ellipsoid_area, view_ellipsoid};
@@ -154,13 +155,15 @@ fn pdf_area(geometry: &PrimitiveGeometry, st: DVec2) -> PdfArea {
     }
 }
 
-/// A direction from within the sphere, in proportion to the cosine at the surface with the frame `frame`.
+/// A direction from within the sphere, in proportion to the cosine at the surface with the frame
+/// `frame`.
 fn sample_sphere_from_within(frame: &ShadingFrame, u: DVec2) -> (DVec3, PdfSolidAngle) {
     let local = sample_lambert(u);
     (to_world(frame, local), pdf_lambert(local.z))
 }
 
-/// Whether `x` is within the light or on it, a sphere or an ellipsoid that is sampled over its solid angle.
+/// Whether `x` is within the light or on it, a sphere or an ellipsoid that is sampled over its
+/// solid angle.
 fn is_within(light: &AreaLight, x: DVec3) -> bool {
     let within = match light.geometry {
         PrimitiveGeometry::Sphere { center, radius } => within_sphere(center, radius, x),
@@ -174,7 +177,8 @@ fn seen_ellipsoid(geometry: &PrimitiveGeometry, x: DVec3) -> Option<EllipsoidVie
     Ellipsoid::of(geometry).map(|ellipsoid| view_ellipsoid(ellipsoid, x))
 }
 
-/// 1 − cosθ of the cone in which `x` sees a sphere; `None` from within, and where the cone is too narrow.
+/// 1 − cosθ of the cone in which `x` sees a sphere; `None` from within, and where the cone is too
+/// narrow.
 fn sphere_cone(center: DVec3, radius: f64, x: DVec3) -> Option<f64> {
     if within_sphere(center, radius, x) {
         return None;
@@ -183,8 +187,9 @@ fn sphere_cone(center: DVec3, radius: f64, x: DVec3) -> Option<f64> {
     Some(k).filter(|k| TAU * k >= MIN_SOLID_ANGLE)
 }
 
-/// A direction towards the light, uniform over a solid angle, and that solid angle (of an ellipsoid, one over the density);
-/// `None` where it is too small to be sampled so, and within a sphere.
+/// A direction towards the light, uniform over a solid angle, and that solid angle (of an
+/// ellipsoid, one over the density); `None` where it is too small to be sampled so, and within a
+/// sphere.
 fn sample_direction(geometry: &PrimitiveGeometry, x: DVec3, u: DVec2) -> Option<(DVec3, f64)> {
     if let Some(seen) = seen_ellipsoid(geometry, x) {
         let direction = seen.sample_direction(u);
@@ -227,8 +232,8 @@ fn sample_quadrilateral(skewed: bool, x: DVec3, [a, e1, e2]: [DVec3; 3], u: DVec
 /// Projected solid angles below this are sampled by solid angle.
 pub const MIN_PROJECTED: f64 = 1e-4;
 
-/// A triangle or rectangle as `frame` at `x` sees it; `None` for other lights, and where its projected solid angle is too
-/// small to be sampled.
+/// A triangle or rectangle as `frame` at `x` sees it; `None` for other lights, and where its
+/// projected solid angle is too small to be sampled.
 fn projected(light: &AreaLight, x: DVec3, frame: &ShadingFrame) -> Option<ProjectedPolygon> {
     let vertices = match light.geometry {
         PrimitiveGeometry::Triangle { a, u, v } => vec![a, a + u, a + v],
@@ -338,7 +343,8 @@ pub fn sample_area_light(
     light_sample(light, choice, (x, wi), point, (pdf, on_light))
 }
 
-/// A sample of a planar light whose emission varies by `map`, at a point of the unit square with its density there.
+/// A sample of a planar light whose emission varies by `map`, at a point of the unit square with
+/// its density there.
 pub fn sample_textured_light(
     world: &World<'_>,
     light: &AreaLight,
@@ -360,8 +366,8 @@ pub fn sample_textured_light(
     light_sample(&here, choice, (x, wi), point, (None, on_light))
 }
 
-/// A sample of the point `point` of a light, which lies in the unit direction `wi` from `x`: chosen with the density `pdf`,
-/// else with `on_light` by area.
+/// A sample of the point `point` of a light, which lies in the unit direction `wi` from `x`: chosen
+/// with the density `pdf`, else with `on_light` by area.
 fn light_sample(
     light: &AreaLight,
     choice: PdfDiscrete,
@@ -400,7 +406,8 @@ fn light_sample(
     }
 }
 
-/// Probability that light selection chooses `light`, which can be hit, for a surface at `x` with the normal `normal`.
+/// Probability that light selection chooses `light`, which can be hit, for a surface at `x` with
+/// the normal `normal`.
 pub fn pdf_light(world: &World<'_>, light: u32, x: DVec3, normal: DVec3) -> PdfDiscrete {
     let emitters = &world.prepared.emitters;
     match &emitters.selection {
@@ -409,8 +416,8 @@ pub fn pdf_light(world: &World<'_>, light: u32, x: DVec3, normal: DVec3) -> PdfD
     }
 }
 
-/// That probability for a surface with the frame `frame`, and the density at the light's coordinates `st` of a point chosen
-/// by its area, in proportion to its emission.
+/// That probability for a surface with the frame `frame`, and the density at the light's
+/// coordinates `st` of a point chosen by its area, in proportion to its emission.
 pub fn pdf_light_area(
     world: &World<'_>,
     light: u32,
@@ -426,9 +433,9 @@ pub fn pdf_light_area(
     (pdf_light(world, light, x, frame.z), on_light)
 }
 
-/// Density with which light sampling from `x`, on a surface with the frame `frame`, would have chosen the direction `wi`
-/// in which a ray met a light's surface at its coordinates `st`, light selection included: `distance_squared` away, at
-/// cosine `cos_light` > 0.
+/// Density with which light sampling from `x`, on a surface with the frame `frame`, would have
+/// chosen the direction `wi` in which a ray met a light's surface at its coordinates `st`, light
+/// selection included: `distance_squared` away, at cosine `cos_light` > 0.
 pub fn pdf_area_light(
     world: &World<'_>,
     light: u32,

@@ -1,4 +1,5 @@
-//! Uniform points on disks and ellipses, as coordinates (s, t): the point is center + s·u + t·v, s² + t² ≤ 1.
+//! Uniform points on disks and ellipses, as coordinates (s, t): the point is center + s·u + t·v, s² +
+//! t² ≤ 1.
 
 pub use crate::emitters::area_map::{
     disk_to_square as invert_disk_area, square_to_disk as sample_disk_area,

@@ -46,8 +46,8 @@ impl Ellipsoid {
         max_abs(self.center) + self.longest
     }
 
-    /// A length at most as large as the radii of curvature at the point `position` of the surface: 1/|∂n/∂x| is at least
-    /// c² |M⁻ᵀp|, c the shortest half axis.
+    /// A length at most as large as the radii of curvature at the point `position` of the surface:
+    /// 1/|∂n/∂x| is at least c² |M⁻ᵀp|, c the shortest half axis.
     pub fn curvature_radius(&self, position: DVec3) -> f64 {
         let p = (self.axes.inverse() * (position - self.center)).normalize();
         let lengths = [0, 1, 2].map(|i| self.axes.col(i).length());
@@ -65,7 +65,8 @@ impl Ellipsoid {
     }
 }
 
-/// Density of the image of a uniformly distributed point `p` of the unit sphere: areas are stretched by |det M| |M⁻ᵀp|.
+/// Density of the image of a uniformly distributed point `p` of the unit sphere: areas are
+/// stretched by |det M| |M⁻ᵀp|.
 pub fn pdf_ellipsoid_area(e: &Ellipsoid, p: DVec3) -> PdfArea {
     let stretch = e.axes.determinant().abs() * e.apply_transposed_inverse(p).length();
     PdfArea(1.0 / (4.0 * PI * stretch))
@@ -88,7 +89,8 @@ pub struct EllipsoidView {
     pub narrow: bool,
 }
 
-/// How much the distance of the outline's points may vary, relative to it and squared, where the cone is sampled as a cone.
+/// How much the distance of the outline's points may vary, relative to it and squared, where the
+/// cone is sampled as a cone.
 const NARROW: f64 = 0.1;
 
 /// Points nearer to the surface than rays leave it count as on it.
@@ -114,8 +116,8 @@ pub fn view_ellipsoid(ellipsoid: Ellipsoid, x: DVec3) -> EllipsoidView {
     }
 }
 
-/// Images of two orthogonal unit vectors across the sphere's direction: conjugate half axes of the ellipsoid's section
-/// through its centre parallel to its outline.
+/// Images of two orthogonal unit vectors across the sphere's direction: conjugate half axes of the
+/// ellipsoid's section through its centre parallel to its outline.
 fn conjugate_axes(e: &Ellipsoid, to_center: DVec3) -> [DVec3; 2] {
     let frame = frame_from_normal(to_center.normalize_or(DVec3::Z));
     [e.axes * frame.x, e.axes * frame.y]
@@ -127,8 +129,8 @@ impl EllipsoidView {
         cone_height(1.0 / self.to_center.length_squared())
     }
 
-    /// One over the density, in the unit direction `wi`, of directions d that are uniform over the cone in the sphere's
-    /// space, and are then mapped by M: dω' = |det M|/|M d|³ dω.
+    /// One over the density, in the unit direction `wi`, of directions d that are uniform over the
+    /// cone in the sphere's space, and are then mapped by M: dω' = |det M|/|M d|³ dω.
     fn inverse_cone_density(&self, wi: DVec3) -> f64 {
         let axes = self.ellipsoid.axes;
         let d = (axes.inverse() * wi).normalize();
@@ -162,8 +164,8 @@ impl EllipsoidView {
         )
     }
 
-    /// One over the density with which light sampling chooses the unit direction `wi`; `None` where it samples the area. The
-    /// point must be outside.
+    /// One over the density with which light sampling chooses the unit direction `wi`; `None` where
+    /// it samples the area. The point must be outside.
     pub fn inverse_direction_density(&self, wi: DVec3) -> Option<f64> {
         if self.narrow {
             let middle = (self.ellipsoid.center - self.x).normalize();
@@ -173,7 +175,8 @@ impl EllipsoidView {
         Some(self.rectangle_around().solid_angle).filter(|&angle| angle >= MIN_SOLID_ANGLE)
     }
 
-    /// A unit direction towards the ellipsoid; beside it where it is not narrow and the rectangle around was met alone.
+    /// A unit direction towards the ellipsoid; beside it where it is not narrow and the rectangle
+    /// around was met alone.
     pub fn sample_direction(&self, u: DVec2) -> DVec3 {
         if self.narrow {
             let d = sample_cone(self.to_center.normalize(), self.height(), u).0;
@@ -182,9 +185,9 @@ impl EllipsoidView {
         sample_rectangle_solid_angle(&self.rectangle_around(), u).wi
     }
 
-    /// The unit sphere's point at which the ray in the unit direction `wi` meets the ellipsoid: from outside where it enters,
-    /// from within where it leaves; `None` where it misses, or leads out of the surface. On the border of the narrow cone
-    /// rounding decides, so that it is met.
+    /// The unit sphere's point at which the ray in the unit direction `wi` meets the ellipsoid:
+    /// from outside where it enters, from within where it leaves; `None` where it misses, or leads
+    /// out of the surface. On the border of the narrow cone rounding decides, so that it is met.
     pub fn point_in_direction(&self, wi: DVec3) -> Option<DVec3> {
         let d = (self.ellipsoid.axes.inverse() * wi).normalize();
         let along = self.to_center.dot(d);

@@ -26,8 +26,8 @@ pub fn emission_factor(world: &World<'_>, m: &EmissionMap, st: DVec2) -> DVec3 {
     sample_texture(world, &m.texture, interpolate_uv(&uvs, st)).truncate()
 }
 
-/// A point of the unit square in proportion to the emission, and the density there: `texel` chooses the cell, `u` the point
-/// in it.
+/// A point of the unit square in proportion to the emission, and the density there: `texel` chooses
+/// the cell, `u` the point in it.
 pub fn sample_emission(m: &EmissionMap, u: DVec2, texel: u32) -> (DVec2, PdfArea) {
     let choice = alias_choice(texel, &m.table);
     let [columns, rows] = m.grid;

@@ -12,8 +12,8 @@ use crate::scene::{Environment, EnvironmentMap, EnvironmentRadiance};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// The unit direction at azimuth fraction `u` (0 at the image's left edge), `depth` below the zenith in z or, where
-/// `south`, above the nadir.
+/// The unit direction at azimuth fraction `u` (0 at the image's left edge), `depth` below the
+/// zenith in z or, where `south`, above the nadir.
 pub fn direction_from_map(u: f64, depth: f64, south: bool) -> DVec3 {
     let r = (depth * (2.0 - depth)).max(0.0).sqrt();
     let sc = sin_cos_two_pi(u);
@@ -83,7 +83,8 @@ pub struct BilinearTexels {
     pub blend: DVec2,
 }
 
-/// `position` is in texels, in [0, size]; texel centres lie at ½. Columns wrap around, rows end at the poles.
+/// `position` is in texels, in [0, size]; texel centres lie at ½. Columns wrap around, rows end at
+/// the poles.
 pub fn bilinear_texels(position: DVec2, [width, height]: [u32; 2]) -> BilinearTexels {
     let p = position - DVec2::splat(0.5);
     let low = p.floor();
@@ -127,7 +128,8 @@ fn map_radiance(map: &EnvironmentMap, image: DVec2) -> DVec3 {
     }
 }
 
-/// Radiance that arrives from the environment in the unit direction `direction`; 0 where there is none.
+/// Radiance that arrives from the environment in the unit direction `direction`; 0 where there is
+/// none.
 pub fn environment_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
     let Some(environment) = &world.prepared.data.scene.environment else {
         return DVec3::ZERO;
@@ -157,8 +159,8 @@ fn environment_light(world: &World<'_>) -> Option<usize> {
     lights.position(|l| *l == Emitter::Environment)
 }
 
-/// The cell of the environment's sampling grid in the unit direction `direction`, and its probability; `None` where the
-/// environment has no map.
+/// The cell of the environment's sampling grid in the unit direction `direction`, and its
+/// probability; `None` where the environment has no map.
 fn environment_cell(world: &World<'_>, direction: DVec3) -> Option<([u32; 2], PdfDiscrete)> {
     let grid = world.prepared.emitters.environment.as_ref()?;
     let [width, height] = grid.size;
@@ -169,7 +171,8 @@ fn environment_cell(world: &World<'_>, direction: DVec3) -> Option<([u32; 2], Pd
     Some(([column, row], PdfDiscrete(p)))
 }
 
-/// Angle between `direction` and the edge of its cell of the environment's sampling grid; π where there is no map.
+/// Angle between `direction` and the edge of its cell of the environment's sampling grid; π where
+/// there is no map.
 pub fn environment_cell_margin(world: &World<'_>, direction: DVec3) -> f64 {
     let Some(grid) = &world.prepared.emitters.environment else {
         return PI;
@@ -186,8 +189,8 @@ fn pdf_on_image(p: PdfDiscrete, [width, height]: [u32; 2]) -> PdfArea {
     PdfArea(p.0 * f64::from(width) * f64::from(height))
 }
 
-/// Density of [`sample_environment`] in the unit direction `direction`: probability of the environment, density on its
-/// image, and per solid angle with light selection included.
+/// Density of [`sample_environment`] in the unit direction `direction`: probability of the
+/// environment, density on its image, and per solid angle with light selection included.
 pub fn pdf_environment(
     world: &World<'_>,
     direction: DVec3,

@@ -34,8 +34,8 @@ pub fn distant_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
     environment_radiance(world, direction) + suns_radiance(world, direction)
 }
 
-/// A sample of the chosen light from `x`, on a surface with the frame `frame`. `u` is the point on the light, `texel` a
-/// random word.
+/// A sample of the chosen light from `x`, on a surface with the frame `frame`. `u` is the point on
+/// the light, `texel` a random word.
 pub fn sample_chosen_light(
     world: &World<'_>,
     choice: Choice,
@@ -69,7 +69,8 @@ pub fn sample_chosen_light(
     sample
 }
 
-/// Radiance that the surface of a light emits at its coordinates `st` towards a viewer on its front or back.
+/// Radiance that the surface of a light emits at its coordinates `st` towards a viewer on its front
+/// or back.
 pub fn emitted_radiance(world: &World<'_>, light: u32, front: bool, st: DVec2) -> DVec3 {
     let factor = match emission_map(world, light) {
         Some(map) => emission_factor(world, map, st),

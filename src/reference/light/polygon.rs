@@ -1,4 +1,5 @@
-//! Directions to a convex polygon, uniform over its projected solid angle; see `shaders/light/polygon.wesl`.
+//! Directions to a convex polygon, uniform over its projected solid angle; see
+//! `shaders/light/polygon.wesl`.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -26,8 +27,8 @@ pub struct ProjectedPolygon {
     pub area: f64,
 }
 
-/// Twice the area between the edge's arc and the origin, from direction e0 to direction e1 (less than π apart): by
-/// quadrature's closed form ∫ dψ/(1 + m²cos²ψ) = atan(tanψ/√(1 + m²))/√(1 + m²).
+/// Twice the area between the edge's arc and the origin, from direction e0 to direction e1 (less
+/// than π apart): by quadrature's closed form ∫ dψ/(1 + m²cos²ψ) = atan(tanψ/√(1 + m²))/√(1 + m²).
 fn sector(normal: DVec3, e0: DVec2, e1: DVec2) -> f64 {
     let flat = normal.truncate();
     let top = (-normal.z.signum() * flat).try_normalize().unwrap_or(e0);
@@ -56,8 +57,8 @@ fn clip_to_horizon(v: &[DVec3]) -> Vec<DVec3> {
     clipped
 }
 
-/// The direction of the plane from which all vertices lie at azimuths of 0 to π; that of some vertex where the polygon
-/// surrounds the zenith: the one that the shader takes.
+/// The direction of the plane from which all vertices lie at azimuths of 0 to π; that of some
+/// vertex where the polygon surrounds the zenith: the one that the shader takes.
 fn first_direction(v: &[DVec3]) -> DVec2 {
     let directions: Vec<DVec2> = v.iter().map(|p| p.truncate().normalize_or_zero()).collect();
     let least = |e: &DVec2| {
@@ -182,7 +183,8 @@ pub fn sample_projected_polygon(p: &ProjectedPolygon, u: DVec2) -> DVec3 {
     (r2.sqrt() * p.zero.rotate(e)).extend((1.0 - r2).max(0.0).sqrt())
 }
 
-/// The point of the unit square that [`sample_projected_polygon`] takes to the direction `w` of the surface's frame.
+/// The point of the unit square that [`sample_projected_polygon`] takes to the direction `w` of the
+/// surface's frame.
 pub fn invert_projected_polygon(p: &ProjectedPolygon, w: DVec3) -> DVec2 {
     let q = w.truncate();
     let turned = DVec2::new(p.zero.dot(q), p.zero.perp_dot(q));

@@ -1,5 +1,5 @@
-//! Points on parallelograms: uniform over their area, as coordinates (s, t) with the point corner + s·u + t·v, or uniform
-//! over the solid angle in which a point sees them.
+//! Points on parallelograms: uniform over their area, as coordinates (s, t) with the point corner +
+//! s·u + t·v, or uniform over the solid angle in which a point sees them.
 
 use super::triangle::{SphericalTriangle, sample_triangle_solid_angle, spherical_triangle};
 use crate::reference::core::frame::{ShadingFrame, to_world};
@@ -20,10 +20,12 @@ pub fn pdf_rectangle_area(area: f64) -> PdfArea {
 /// Heights below this are rounding: the point lies in the rectangle's plane and sees nothing of it.
 pub const MIN_HEIGHT: f64 = 1e-12;
 
-/// A rectangle seen from a point: in a frame along its edges with the point at the origin, x × y at height z.
+/// A rectangle seen from a point: in a frame along its edges with the point at the origin, x × y at
+/// height z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SphericalRectangle {
-    /// x is the axis along which the rectangle is nearer to the point's foot, or covers it; z points to its plane.
+    /// x is the axis along which the rectangle is nearer to the point's foot, or covers it; z
+    /// points to its plane.
     pub frame: ShadingFrame,
     /// Whether x is the direction of edge v.
     pub turned: bool,
@@ -50,7 +52,8 @@ pub struct RectangleSample {
 
 /// The rectangle with corner `a` and edges `u` ⊥ `v` seen from `x`.
 ///
-/// Solid angle = γ₀ + γ₁ + γ₂ + γ₃ − 2π, with the interior angles between the planes through neighbouring edges (Girard).
+/// Solid angle = γ₀ + γ₁ + γ₂ + γ₃ − 2π, with the interior angles between the planes through
+/// neighbouring edges (Girard).
 pub fn spherical_rectangle(x: DVec3, a: DVec3, u: DVec3, v: DVec3) -> SphericalRectangle {
     let (along_u, along_v) = (u.normalize(), v.normalize());
     let corner = a - x;
@@ -105,10 +108,11 @@ fn interior_angles(x: DVec2, y: DVec2, z: f64) -> [f64; 4] {
     })
 }
 
-/// A direction into the rectangle, uniform over its solid angle, and the point there (Ureña, Fajardo & King 2013, "An
-/// Area-Preserving Parametrization for Spherical Rectangles").
+/// A direction into the rectangle, uniform over its solid angle, and the point there (Ureña,
+/// Fajardo & King 2013, "An Area-Preserving Parametrization for Spherical Rectangles").
 pub fn sample_rectangle_solid_angle(r: &SphericalRectangle, u: DVec2) -> RectangleSample {
-    // The paper has the plane at z₀ < 0, and b₀, b₁ for the heights of the normals of the edges along x.
+    // The paper has the plane at z₀ < 0, and b₀, b₁ for the heights of the normals of the edges
+    // along x.
     let (x, y, z0) = (r.x, r.y, -r.z);
     let b0 = -y.x / y.x.hypot(z0);
     let b1 = y.y / y.y.hypot(z0);
@@ -155,7 +159,8 @@ pub fn spherical_parallelogram(x: DVec3, a: DVec3, u: DVec3, v: DVec3) -> Spheri
     }
 }
 
-/// A unit direction into the parallelogram, uniform over its solid angle: u.x turns about the corner.
+/// A unit direction into the parallelogram, uniform over its solid angle: u.x turns about the
+/// corner.
 pub fn sample_parallelogram_solid_angle(p: &SphericalParallelogram, u: DVec2) -> DVec3 {
     let part = u.x * p.solid_angle;
     if part < p.first.solid_angle {

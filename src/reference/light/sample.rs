@@ -13,14 +13,16 @@ pub struct LightSample {
     pub wi: DVec3,
     /// Where the shadow ray ends: off the light, towards the point.
     pub target_point: DVec3,
-    /// Radiance divided by the density of this sample, light selection included (for lights without extent:
-    /// irradiance on a surface that faces the light, divided by the probability of the light); 0 where nothing
-    /// arrives.
+    /// Radiance divided by the density of this sample, light selection included (for lights without
+    /// extent: irradiance on a surface that faces the light, divided by the probability of the
+    /// light); 0 where nothing arrives.
     pub radiance_over_pdf: DVec3,
-    /// Density with which the sample was chosen, light selection included; 0 for lights without extent.
+    /// Density with which the sample was chosen, light selection included; 0 for lights without
+    /// extent.
     pub pdf: PdfSolidAngle,
-    /// Density of a uniform point on the light's surface, or with which one was chosen on the unit square of the
-    /// environment's directions, without light selection; none for lights that have neither.
+    /// Density of a uniform point on the light's surface, or with which one was chosen on the unit
+    /// square of the environment's directions, without light selection; none for lights that have
+    /// neither.
     pub pdf_on_light: Option<PdfArea>,
     /// Cosine at the light; 1 where it has no surface.
     pub cos_light: f64,
@@ -51,8 +53,8 @@ impl LightSample {
         }
     }
 
-    /// Light that arrives at `x` from the point `position`, chosen with the probability `choice`; `intensity` gives its radiant
-    /// intensity by the direction from `x`.
+    /// Light that arrives at `x` from the point `position`, chosen with the probability `choice`;
+    /// `intensity` gives its radiant intensity by the direction from `x`.
     pub fn from_point(
         position: DVec3,
         choice: PdfDiscrete,

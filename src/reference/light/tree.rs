@@ -1,5 +1,5 @@
-//! The light tree; see `shaders/light/tree.wesl`. Nodes are decoded from the words that the GPU reads, so that both know the
-//! same bounds.
+//! The light tree; see `shaders/light/tree.wesl`. Nodes are decoded from the words that the GPU
+//! reads, so that both know the same bounds.
 
 use super::alias_table::Choice;
 use crate::emitters::tree::{Grid, LightTree, NodeWords, TREE_LEAF};
@@ -71,14 +71,15 @@ pub fn decode_child(grid: &Grid, words: [u32; 4], further: u32) -> TreeChild {
     }
 }
 
-/// The largest cosine that a vector of this component may have which is at least `nearest` long and about `distance`.
+/// The largest cosine that a vector of this component may have which is at least `nearest` long and
+/// about `distance`.
 pub fn cosine_bound(component: f64, nearest: f64, distance: f64) -> f64 {
     let length = if component > 0.0 { nearest } else { distance };
     component / component.abs().max(length).max(1e-18)
 }
 
-/// Estimate of what the lights of a child contribute to the surface at `x` with the normal `normal`; 0 only where none of
-/// them can.
+/// Estimate of what the lights of a child contribute to the surface at `x` with the normal
+/// `normal`; 0 only where none of them can.
 pub fn tree_importance(child: &TreeChild, x: DVec3, normal: DVec3) -> f64 {
     let to = child.center - x;
     let distance = to.length();
@@ -110,7 +111,8 @@ pub fn tree_importance(child: &TreeChild, x: DVec3, normal: DVec3) -> f64 {
     (child.intensity * emitted * received / (d * d)).max(MIN_IMPORTANCE)
 }
 
-/// What a node offers to a surface: the probability of its left child, `None` where neither child may contribute.
+/// What a node offers to a surface: the probability of its left child, `None` where neither child
+/// may contribute.
 pub fn tree_choice(grid: &Grid, node: &NodeWords, x: DVec3, normal: DVec3) -> Option<PdfDiscrete> {
     let importance = [0, 1].map(|side| {
         let child = decode_child(grid, node[side], node[2][side]);
@@ -128,7 +130,8 @@ pub fn tree_choice(grid: &Grid, node: &NodeWords, x: DVec3, normal: DVec3) -> Op
     }
 }
 
-/// A random word on its way down the tree: the interval of words in which it lies, of which every decision leaves a part.
+/// A random word on its way down the tree: the interval of words in which it lies, of which every
+/// decision leaves a part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TreeWalk {
     /// Position in the interval.
@@ -189,8 +192,8 @@ pub struct TreeChosen {
     pub margin: f64,
 }
 
-/// The light that the random word `u` and, where it does not suffice, words hashed from `words` select for the surface at
-/// `x` with the normal `normal`.
+/// The light that the random word `u` and, where it does not suffice, words hashed from `words`
+/// select for the surface at `x` with the normal `normal`.
 pub fn choose_tree_light(
     tree: &LightTree,
     u: u32,
@@ -232,7 +235,8 @@ fn descend(tree: &LightTree, walk: &mut TreeWalk, x: DVec3, normal: DVec3) -> Op
     })
 }
 
-/// Probability of the light whose way from the root is `trail`, for the surface at `x` with the normal `normal`.
+/// Probability of the light whose way from the root is `trail`, for the surface at `x` with the
+/// normal `normal`.
 pub fn pdf_tree_light(tree: &LightTree, trail: u32, x: DVec3, normal: DVec3) -> PdfDiscrete {
     let mut probability = tree.share();
     let mut reference = 0;

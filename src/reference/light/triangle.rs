@@ -1,5 +1,5 @@
-//! Points on triangles: uniform over their area, as coordinates (s, t) with the point a + s·(b − a) + t·(c − a), or
-//! uniform over the solid angle in which a point sees them.
+//! Points on triangles: uniform over their area, as coordinates (s, t) with the point a + s·(b − a) +
+//! t·(c − a), or uniform over the solid angle in which a point sees them.
 
 use crate::reference::core::pdf::{PdfArea, PdfSolidAngle};
 use glam::DVec3;
@@ -28,8 +28,8 @@ pub struct SphericalTriangle {
     pub solid_angle: f64,
 }
 
-/// The triangle with vertex `a` and the edges `u` and `v` from there to the others, seen from `x` (Van Oosterom & Strackee
-/// 1983).
+/// The triangle with vertex `a` and the edges `u` and `v` from there to the others, seen from `x`
+/// (Van Oosterom & Strackee 1983).
 pub fn spherical_triangle(x: DVec3, a: DVec3, u: DVec3, v: DVec3) -> SphericalTriangle {
     let to_a = a - x;
     let triple = to_a.dot(u.cross(v)).abs();
@@ -47,9 +47,10 @@ pub fn spherical_triangle(x: DVec3, a: DVec3, u: DVec3, v: DVec3) -> SphericalTr
     }
 }
 
-/// The unit direction into the triangle for which the triangle between A, B and the side from B to the direction's arc
-/// has the solid angle `part`, and which divides the way from A at `u` (Arvo 1995, "Stratified Sampling of Spherical
-/// Triangles"; without inverse trigonometric functions by Peters 2021, "BRDF Importance Sampling for Polygonal Lights").
+/// The unit direction into the triangle for which the triangle between A, B and the side from B to
+/// the direction's arc has the solid angle `part`, and which divides the way from A at `u` (Arvo
+/// 1995, "Stratified Sampling of Spherical Triangles"; without inverse trigonometric functions by
+/// Peters 2021, "BRDF Importance Sampling for Polygonal Lights").
 pub fn sample_triangle_solid_angle(t: &SphericalTriangle, part: f64, u: f64) -> DVec3 {
     let (sin, cos) = (0.5 * part).sin_cos();
     // The bisector of B and the end Q of the direction's arc.

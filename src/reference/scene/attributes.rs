@@ -64,7 +64,8 @@ pub fn interpolate_color(c: &VertexColors, st: DVec2) -> DVec4 {
     color.clamp(DVec4::ZERO, DVec4::ONE)
 }
 
-/// The unit normal between those of the vertices, on the side of the primitive's own normal; that itself where they cancel.
+/// The unit normal between those of the vertices, on the side of the primitive's own normal; that
+/// itself where they cancel.
 pub fn interpolate_normal(n: &VertexNormals, st: DVec2, own: DVec3) -> DVec3 {
     let sum = (1.0 - st.x - st.y) * n[0] + st.x * n[1] + st.y * n[2];
     if sum.length_squared() < 1e-12 {
@@ -78,8 +79,9 @@ pub fn interpolate_normal(n: &VertexNormals, st: DVec2, own: DVec3) -> DVec3 {
     }
 }
 
-/// What lifts the point a + s·u + t·v of a flat triangle to the smooth surface that its vertex normals suggest, `side` = 1 or
-/// −1 that on which it is seen (Hanika 2021, "Hacking the Shadow Terminator").
+/// What lifts the point a + s·u + t·v of a flat triangle to the smooth surface that its vertex
+/// normals suggest, `side` = 1 or −1 that on which it is seen (Hanika 2021, "Hacking the Shadow
+/// Terminator").
 pub fn terminator_offset(n: &VertexNormals, st: DVec2, u: DVec3, v: DVec3, side: f64) -> DVec3 {
     let from_a = st.x * u + st.y * v;
     let weights = [1.0 - st.x - st.y, st.x, st.y];
@@ -93,8 +95,8 @@ pub fn terminator_offset(n: &VertexNormals, st: DVec2, u: DVec3, v: DVec3, side:
         .sum()
 }
 
-/// The normal that a normal map's value `mapped` means: x along growing u, y along falling v, z along `normal`. That itself
-/// where the texture coordinates span no area.
+/// The normal that a normal map's value `mapped` means: x along growing u, y along falling v, z
+/// along `normal`. That itself where the texture coordinates span no area.
 pub fn map_normal(mapped: DVec3, uvs: &VertexUvs, u: DVec3, v: DVec3, normal: DVec3) -> DVec3 {
     let (du, dv) = (uvs[1] - uvs[0], uvs[2] - uvs[0]);
     let determinant = du.perp_dot(dv);
@@ -122,7 +124,8 @@ pub fn fetch_tangents(world: &World<'_>, p: &Primitive) -> VertexTangents {
     tangents.map(|t| DVec4::from_array(t.map(f64::from)))
 }
 
-/// The normal that a normal map's value `mapped` means at `st` where the vertices have the tangents `t`.
+/// The normal that a normal map's value `mapped` means at `st` where the vertices have the tangents
+/// `t`.
 pub fn map_normal_along(mapped: DVec3, t: &VertexTangents, st: DVec2, normal: DVec3) -> DVec3 {
     let given = (1.0 - st.x - st.y) * t[0] + st.x * t[1] + st.y * t[2];
     let tangent = given.truncate() - normal * normal.dot(given.truncate());

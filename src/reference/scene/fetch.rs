@@ -25,7 +25,8 @@ pub struct Primitive {
     pub light: Option<u32>,
 }
 
-/// The scene in f64, unrounded, with a hierarchy of its own. Primitives and lights are numbered as on the GPU.
+/// The scene in f64, unrounded, with a hierarchy of its own. Primitives and lights are numbered as
+/// on the GPU.
 #[derive(Debug)]
 pub struct World<'a> {
     /// What was prepared for the GPU as well: lights, their probabilities, the normalisation.

@@ -7,7 +7,8 @@ use crate::reference::core::rng::pcg4d;
 use crate::reference::core::sampler::{GROUP_OPACITY, SampleId, independent_counter};
 use glam::DVec2;
 
-/// Number of a sample's first camera ray; that which follows the first specular surface is the next.
+/// Number of a sample's first camera ray; that which follows the first specular surface is the
+/// next.
 pub const RAY_CAMERA: u32 = 0;
 /// Number of its BSDF-sampled ray.
 pub const RAY_BSDF: u32 = 127;

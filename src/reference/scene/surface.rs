@@ -16,8 +16,8 @@ use crate::scene::material::BsdfParameters;
 use crate::scene::texture::TexturedFactors;
 use glam::{DVec2, DVec3};
 
-/// Rays leave a surface from points this far off it, relative to the size of its coordinates: as far as on the GPU, so
-/// that both see the same where surfaces touch.
+/// Rays leave a surface from points this far off it, relative to the size of its coordinates: as
+/// far as on the GPU, so that both see the same where surfaces touch.
 pub const OFFSET: f64 = 1.0 / 1_048_576.0;
 
 /// A point on a surface, seen from the direction `wo`.
@@ -56,7 +56,8 @@ struct Shading {
     material: BsdfParameters,
 }
 
-/// The shading of the point `st` of `p`, whose edges are u and v and whose normal is `normal`, seen from the front (`side`
+/// The shading of the point `st` of `p`, whose edges are u and v and whose normal is `normal`, seen
+/// from the front (`side`
 /// 1) or the back (−1).
 fn shading_at(
     world: &World<'_>,
@@ -102,7 +103,8 @@ fn shading_at(
     shading
 }
 
-/// Position, edges (none) and normal, and size of the coordinates where `ray` met an ellipsoid at `hit`.
+/// Position, edges (none) and normal, and size of the coordinates where `ray` met an ellipsoid at
+/// `hit`.
 fn ellipsoid_surface(
     geometry: &PrimitiveGeometry,
     ray: &Ray,
@@ -172,8 +174,8 @@ pub fn is_above(s: &Surface, wi: DVec3) -> bool {
     s.normal.dot(wi) > 0.0
 }
 
-/// The segment from a surface to a point above its plane, parameter 0 to 1, which never comes nearer to the plane than it
-/// begins.
+/// The segment from a surface to a point above its plane, parameter 0 to 1, which never comes
+/// nearer to the plane than it begins.
 pub fn shadow_ray(s: &Surface, target_point: DVec3) -> Ray {
     let segment = target_point - s.origin;
     Ray {

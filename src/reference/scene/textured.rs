@@ -1,4 +1,5 @@
-//! Materials that textures and vertex colours vary over a surface; see `shaders/scene/textured.wesl`.
+//! Materials that textures and vertex colours vary over a surface; see
+//! `shaders/scene/textured.wesl`.
 
 use super::attributes::{interpolate_uv, uvs_of};
 use super::fetch::{Primitive, World};
@@ -8,7 +9,8 @@ use crate::scene::texture::{TexturedFactors, tangent_normal};
 use crate::scene::{Material, NormalMap, TextureUse};
 use glam::{DVec2, DVec3};
 
-/// The factors `before` times those of the textures of `material`, which `p` has, at its point `st`.
+/// The factors `before` times those of the textures of `material`, which `p` has, at its point
+/// `st`.
 pub fn texture_factors(
     world: &World<'_>,
     before: TexturedFactors,

@@ -37,8 +37,8 @@ pub fn intersect_primitive(ray: &Ray, p: &Primitive, t_max: f64) -> Option<(f64,
     }
 }
 
-/// Ray parameters and coordinates where the ray's line enters and leaves a sphere or an ellipsoid; `None` where it misses,
-/// and for planar primitives.
+/// Ray parameters and coordinates where the ray's line enters and leaves a sphere or an ellipsoid;
+/// `None` where it misses, and for planar primitives.
 fn crossings_of(ray: &Ray, geometry: &PrimitiveGeometry) -> Option<[(f64, DVec2); 2]> {
     if let PrimitiveGeometry::Sphere { center, radius } = *geometry {
         let (near, far) = intersect_sphere(ray, center, radius)?;
@@ -129,7 +129,8 @@ fn traverse(
     nearest
 }
 
-/// Whether the ray enters the box of a primitive that emits: it meets no light otherwise. The GPU's boxes are wider.
+/// Whether the ray enters the box of a primitive that emits: it meets no light otherwise. The GPU's
+/// boxes are wider.
 pub fn may_meet_light(world: &World<'_>, ray: &Ray) -> bool {
     let inv_direction = ray.direction.recip();
     let mut emitting = world.primitives.iter().filter(|p| p.light.is_some());

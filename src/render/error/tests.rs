@@ -27,7 +27,8 @@ fn film(sampler: Sampler, mut error: impl FnMut(usize) -> f64) -> Film {
         *pixel = crate::render::film::Pixel {
             samples: 32,
             mean,
-            // The scatter of samples says four times the actual variance; with independent ones the very variance.
+            // The scatter of samples says four times the actual variance; with independent ones the
+            // very variance.
             m2: mean.map(|m| m * m * 0.01 * 0.5 * (32.0 * 31.0)),
             second_samples: 16,
             second_mean: of(b),
@@ -55,7 +56,8 @@ fn actual(film: &Film) -> f64 {
     terms.sum::<f64>() / film.pixels.len() as f64
 }
 
-/// Of many images: the mean of reported over that of actual errors, and how often the interval holds the actual one.
+/// Of many images: the mean of reported over that of actual errors, and how often the interval
+/// holds the actual one.
 fn calibration(mut film: impl FnMut() -> Film) -> (f64, f64) {
     let images = 400;
     let (mut reported, mut found, mut covered) = (0.0, 0.0, 0);
@@ -81,8 +83,9 @@ fn intervals_hold_the_actual_error_of_the_image() {
     }
 }
 
-/// Rare bright errors: 1 of 20 replicates has found light that the others have to make up for. Where they are, the image's
-/// error is told to be: it is that of this image, not of one like it. The interval allows for noise in denominators.
+/// Rare bright errors: 1 of 20 replicates has found light that the others have to make up for.
+/// Where they are, the image's error is told to be: it is that of this image, not of one like it.
+/// The interval allows for noise in denominators.
 #[test]
 fn skewed_errors_are_reported_as_they_are() {
     let mut stream = Stream::new(4);

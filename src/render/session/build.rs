@@ -21,7 +21,8 @@ const REGION_TILES: u32 = 1 << 14;
 const HARDWARE_DISPATCH: Duration = Duration::from_millis(80);
 /// How long it should take in software, where only the progress display waits for it.
 const SOFTWARE_DISPATCH: Duration = Duration::from_millis(250);
-/// Pixel-samples of the first dispatch, before anything has been measured, where each takes one shadow ray.
+/// Pixel-samples of the first dispatch, before anything has been measured, where each takes one
+/// shadow ray.
 const FIRST_BUDGET: u64 = 1 << 15;
 
 /// What two sessions of one scene may differ in.
@@ -53,7 +54,8 @@ impl<'a> Session<'a> {
         Self::build(context, prepared, film, seed, Build::default())
     }
 
-    /// The same, compiled anew even where the driver kept what it compiled before: `stamp` is one that no other had, and not 0.
+    /// The same, compiled anew even where the driver kept what it compiled before: `stamp` is one
+    /// that no other had, and not 0.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -176,8 +178,8 @@ impl<'a> Session<'a> {
             .checked(|| queue.write_buffer(self.frame.raw(), 0, bytes))
     }
 
-    /// Begins again without compiling anew: with other random numbers, of a sampler with other `patterns`. What was
-    /// rendered is forgotten, how long a dispatch takes is not.
+    /// Begins again without compiling anew: with other random numbers, of a sampler with other
+    /// `patterns`. What was rendered is forgotten, how long a dispatch takes is not.
     ///
     /// # Errors
     /// The driver fails.
@@ -189,8 +191,9 @@ impl<'a> Session<'a> {
         self.forget()
     }
 
-    /// Begins again with another camera or another size of the image, without compiling anew. `prepared` is what the session was
-    /// made of but for its camera, which calls for the same effects.
+    /// Begins again with another camera or another size of the image, without compiling anew.
+    /// `prepared` is what the session was made of but for its camera, which calls for the same
+    /// effects.
     ///
     /// # Errors
     /// The driver fails.
@@ -224,7 +227,8 @@ impl<'a> Session<'a> {
         self.adaptive = adaptive;
     }
 
-    /// Lets dispatches last about `time`: shorter ones cost some speed, but the caller is asked sooner whether to stop.
+    /// Lets dispatches last about `time`: shorter ones cost some speed, but the caller is asked
+    /// sooner whether to stop.
     pub fn set_dispatch_time(&mut self, time: Duration) {
         self.dispatch_time = time;
     }

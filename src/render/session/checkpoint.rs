@@ -1,4 +1,5 @@
-//! Where a render stands: what another device needs to go on with it, bit for bit as if nothing had happened.
+//! Where a render stands: what another device needs to go on with it, bit for bit as if nothing had
+//! happened.
 
 use super::progress::Progress;
 use super::readback::{Block, slots};
@@ -66,7 +67,8 @@ impl Saved {
 }
 
 impl Session<'_> {
-    /// Keeps the open blocks' states on the host, so that losing the device loses no more than what comes after.
+    /// Keeps the open blocks' states on the host, so that losing the device loses no more than what
+    /// comes after.
     ///
     /// # Errors
     /// The driver fails.

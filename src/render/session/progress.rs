@@ -73,8 +73,8 @@ impl Progress {
         self.level = 0;
     }
 
-    /// Samples that the pixels of each class should have after `samples` more per pixel; at most to the end of the open block
-    /// where all have the same.
+    /// Samples that the pixels of each class should have after `samples` more per pixel; at most to
+    /// the end of the open block where all have the same.
     pub(crate) fn targets(&mut self, samples: u64) -> Vec<u64> {
         let Some(allocation) = &self.allocation else {
             let class = self.classes[0];

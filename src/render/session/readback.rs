@@ -33,8 +33,8 @@ impl Session<'_> {
         Ok((film, rays))
     }
 
-    /// The image as the host knows it without the device, and the rays traced for it: merged blocks, and open ones where they were
-    /// last saved.
+    /// The image as the host knows it without the device, and the rays traced for it: merged
+    /// blocks, and open ones where they were last saved.
     pub fn safe_image(&self) -> (Film, RayCounts) {
         let (mut film, mut rays) = (self.film.clone(), self.rays);
         for (region, block) in self.regions.iter().zip(&self.saved.blocks) {
@@ -43,7 +43,8 @@ impl Session<'_> {
         (film, rays)
     }
 
-    /// Merges the blocks of the classes whose blocks are full into the film, and opens their next ones.
+    /// Merges the blocks of the classes whose blocks are full into the film, and opens their next
+    /// ones.
     pub(super) fn merge_full(&mut self) -> Result<(), GpuError> {
         let classes = self.progress.classes.iter().enumerate();
         let full = classes.filter(|(_, class)| class.is_full());

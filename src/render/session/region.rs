@@ -34,7 +34,8 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// `tiles` tiles from `first_tile` on, with `groups` groups of lights; its pixels have no order yet.
+    /// `tiles` tiles from `first_tile` on, with `groups` groups of lights; its pixels have no order
+    /// yet.
     pub(super) fn new(
         device: &wgpu::Device,
         kernel: &SceneKernel,
@@ -128,10 +129,12 @@ impl Region {
     }
 }
 
-/// How many rows lie between those that are taken one after the other, out of `rows`: so many that all are taken.
+/// How many rows lie between those that are taken one after the other, out of `rows`: so many that
+/// all are taken.
 ///
-/// A driver in software hands each of its threads a contiguous part of a dispatch: if that were a contiguous part of the image,
-/// some threads would have the dear one, and the others would wait for them.
+/// A driver in software hands each of its threads a contiguous part of a dispatch: if that were a
+/// contiguous part of the image, some threads would have the dear one, and the others would wait
+/// for them.
 fn stride(software: bool, rows: usize) -> usize {
     if software {
         lattice::coprime(rows as u32) as usize
@@ -179,7 +182,8 @@ mod tests {
         }
     }
 
-    /// Each of two threads gets as much of every eighth of the image, but for 3 rows of about 9, whichever rows a dispatch takes.
+    /// Each of two threads gets as much of every eighth of the image, but for 3 rows of about 9,
+    /// whichever rows a dispatch takes.
     #[test]
     fn halves_of_a_dispatch_are_alike() {
         const ROWS: usize = 4096;

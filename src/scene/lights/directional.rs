@@ -26,7 +26,8 @@ pub(crate) struct DirectionalTable {
     direction: [f64; 3],
     /// Irradiance on a surface that faces it, not negative.
     irradiance: Rgb,
-    /// The angle in degrees under which it is seen, 0.001 to 180: a disk in the sky (the sun: 0.53); 0 is a point.
+    /// The angle in degrees under which it is seen, 0.001 to 180: a disk in the sky (the sun:
+    /// 0.53); 0 is a point.
     #[serde(default)]
     angular_diameter: f64,
 }

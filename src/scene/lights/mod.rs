@@ -1,7 +1,8 @@
 //! Lights without a surface: a file for each kind, and the table that names them.
 //!
-//! A kind's file has its data, its keys in a scene file, what is valid, its power, how far its light spreads, and the record
-//! that the GPU reads. The rest of direkt asks [`Light`], whatever the kind.
+//! A kind's file has its data, its keys in a scene file, what is valid, its power, how far its
+//! light spreads, and the record that the GPU reads. The rest of direkt asks [`Light`], whatever
+//! the kind.
 
 mod directional;
 mod point;
@@ -22,7 +23,8 @@ use std::f64::consts::PI;
 use std::path::Path;
 use strum::VariantNames;
 
-/// The table: every kind with its data, its shader module and its constant there; and the keys of every `type` of a scene file.
+/// The table: every kind with its data, its shader module and its constant there; and the keys of
+/// every `type` of a scene file.
 macro_rules! lights {
     (
         kinds { $($(#[$doc:meta])* $kind:ident($data:ty) $module:literal $constant:ident;)* }
@@ -33,7 +35,8 @@ macro_rules! lights {
         pub enum Light { $($(#[$doc])* $kind($data),)* }
 
         impl Light {
-            /// The shader module of every kind, and the name and value of the constant by which the GPU knows it.
+            /// The shader module of every kind, and the name and value of the constant by which the
+            /// GPU knows it.
             pub const CONSTANTS: &[(&'static str, &'static str, u32)] =
                 &[$(($module, stringify!($constant), $constant),)*];
 
@@ -83,12 +86,14 @@ lights! {
     }
 }
 
-/// What every kind of light has to say. Its strength is a radiant intensity where it has a position, else an irradiance.
+/// What every kind of light has to say. Its strength is a radiant intensity where it has a
+/// position, else an irradiance.
 trait LightKind {
     /// Its name for people.
     fn name(&self) -> &'static str;
 
-    /// Where it is, `None` where it is infinitely far away; and its radiant intensity (W·sr⁻¹) or irradiance (W·m⁻²) per channel.
+    /// Where it is, `None` where it is infinitely far away; and its radiant intensity (W·sr⁻¹) or
+    /// irradiance (W·m⁻²) per channel.
     fn position_and_strength(&mut self) -> (Option<&mut DVec3>, &mut DVec3);
 
     /// Its radiance, where it has an extent.
@@ -99,8 +104,9 @@ trait LightKind {
     /// What position and strength do not say already.
     fn check(&self) -> Result<(), Fault>;
 
-    /// Power of a normalised light over its strength: of one that is infinitely far away what falls on the sphere of `radius`,
-    /// the scene's, so that how often each light is chosen does not depend on the unit of length.
+    /// Power of a normalised light over its strength: of one that is infinitely far away what falls
+    /// on the sphere of `radius`, the scene's, so that how often each light is chosen does not
+    /// depend on the unit of length.
     fn power_of_strength(&self, radius: f64) -> f64 {
         PI * radius * radius
     }
@@ -177,7 +183,8 @@ impl Light {
         self.kind_mut().position_and_strength().0.copied()
     }
 
-    /// Its radiant intensity (W·sr⁻¹) where it has a position, else its irradiance on a surface that faces it (W·m⁻²).
+    /// Its radiant intensity (W·sr⁻¹) where it has a position, else its irradiance on a surface
+    /// that faces it (W·m⁻²).
     pub fn strength(mut self) -> DVec3 {
         *self.strength_mut()
     }

@@ -14,7 +14,8 @@ pub const LIGHT_SPOT: u32 = 5;
 const STEP: f64 = 1_048_576.0;
 
 /// A point light restricted to a cone, with KHR_lights_punctual's falloff:
-/// `intensity · saturate((cosθ − cos outer) / (cos inner − cos outer))²`; a step where both angles are equal.
+/// `intensity · saturate((cosθ − cos outer) / (cos inner − cos outer))²`; a step where both angles
+/// are equal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpotLight {
     /// Where it is.

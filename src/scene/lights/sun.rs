@@ -22,8 +22,8 @@ pub struct SunLight {
 }
 
 impl SunLight {
-    /// The radiance whose integral over the cone, with the cosine at a surface that faces it, is the irradiance: the cone's
-    /// projected solid angle is π sin²θ.
+    /// The radiance whose integral over the cone, with the cosine at a surface that faces it, is
+    /// the irradiance: the cone's projected solid angle is π sin²θ.
     pub fn radiance(&self) -> DVec3 {
         self.irradiance / (PI * self.angular_radius.sin().powi(2))
     }

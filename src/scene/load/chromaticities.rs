@@ -40,7 +40,8 @@ impl Primaries {
             && same(self.white, other.white)
     }
 
-    /// From colours of these primaries to CIE XYZ, white of luminance 1; `None` where there is no such map.
+    /// From colours of these primaries to CIE XYZ, white of luminance 1; `None` where there is no
+    /// such map.
     pub(super) fn to_xyz(self) -> Option<DMat3> {
         let point = |c: DVec2| DVec3::new(c.x, c.y, 1.0 - c.x - c.y);
         let columns = DMat3::from_cols(point(self.red), point(self.green), point(self.blue));
@@ -50,8 +51,9 @@ impl Primaries {
         (invertible && scales.is_finite()).then(|| columns * DMat3::from_diagonal(scales))
     }
 
-    /// From linear colours of these primaries to linear ones of BT.709; `None` where there is no such map. White stays white
-    /// (Bradford's adaptation, Lam 1985); what is CIE XYZ is not adapted.
+    /// From linear colours of these primaries to linear ones of BT.709; `None` where there is no
+    /// such map. White stays white (Bradford's adaptation, Lam 1985); what is CIE XYZ is not
+    /// adapted.
     pub(super) fn to_rec709(self) -> Option<DMat3> {
         let to_xyz = self.to_xyz()?;
         let from_xyz = REC709.to_xyz()?.inverse();

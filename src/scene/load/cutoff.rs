@@ -1,13 +1,13 @@
 //! Cutoffs of masks whose α comes from an image.
 //!
-//! Textures hold α in 16 bits, and interpolation rounds. A cutoff is therefore moved to where it divides the rounded values
-//! as the one in the file divides the image's own.
+//! Textures hold α in 16 bits, and interpolation rounds. A cutoff is therefore moved to where it
+//! divides the rounded values as the one in the file divides the image's own.
 
 use crate::scene::Opacity;
 use half::f16;
 
-/// Relative distance that is kept between a cutoff and the values of texels: what interpolating equal ones in f32 rounds
-/// away, 2⁻²⁴ per operation.
+/// Relative distance that is kept between a cutoff and the values of texels: what interpolating
+/// equal ones in f32 rounds away, 2⁻²⁴ per operation.
 const MARGIN: f64 = 1.0 / 2_097_152.0;
 
 /// The α of a texel: what the image says, and what the texture holds.
@@ -37,7 +37,8 @@ struct Sides {
     opaque: Option<f16>,
 }
 
-/// Whether `alpha` reaches the cutoff: compared as 32-bit floats, as glTF's numbers are, so that 51/255 reaches 0.2.
+/// Whether `alpha` reaches the cutoff: compared as 32-bit floats, as glTF's numbers are, so that
+/// 51/255 reaches 0.2.
 fn reaches(opacity: &Opacity, cutoff: f64, alpha: f64) -> bool {
     (opacity.factor * alpha) as f32 >= cutoff as f32
 }
@@ -63,8 +64,9 @@ fn sides(opacity: &Opacity, cutoff: f64, alphas: impl Iterator<Item = Alpha>) ->
     })
 }
 
-/// Moves the cutoff of `opacity`, whose texture has these `alphas`. Returns the held α of which some texels are opaque and
-/// some transparent, where there is one: the transparent ones are to be held as the next smaller number.
+/// Moves the cutoff of `opacity`, whose texture has these `alphas`. Returns the held α of which
+/// some texels are opaque and some transparent, where there is one: the transparent ones are to be
+/// held as the next smaller number.
 pub(super) fn settle(
     opacity: &mut Opacity,
     alphas: impl Iterator<Item = Alpha>,
@@ -139,7 +141,8 @@ mod tests {
         }
     }
 
-    /// What an image of all 256 levels is under `opacity` once its cutoff is settled: opaque from the level that is returned.
+    /// What an image of all 256 levels is under `opacity` once its cutoff is settled: opaque from
+    /// the level that is returned.
     fn first_opaque(opacity: Opacity) -> u32 {
         let mut opacity = opacity;
         let divided = settle(&mut opacity, (0..256).map(byte));
@@ -170,7 +173,8 @@ mod tests {
         assert_eq!(first_opaque(mask(1.0, 1.5)), 256);
     }
 
-    /// Between texels of one value interpolation gives that value but for its rounding, which must not reach the cutoff.
+    /// Between texels of one value interpolation gives that value but for its rounding, which must
+    /// not reach the cutoff.
     #[test]
     fn cutoffs_keep_a_distance_from_texels() {
         for level in 1..255 {

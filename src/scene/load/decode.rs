@@ -1,4 +1,5 @@
-//! Image files of any format, decoded to their numbers. What a file holds counts, not what its name says.
+//! Image files of any format, decoded to their numbers. What a file holds counts, not what its name
+//! says.
 
 use super::{exr, radiance};
 use crate::error::InputError;
@@ -25,8 +26,8 @@ pub(super) struct Wanted<'a> {
 const FORMATS: &str = "a PNG, JPEG, Radiance HDR, OpenEXR, BMP, TGA, TIFF or WebP image";
 const RADIANCE_FORMATS: &str = "a latitude-longitude map in .hdr or .exr";
 
-/// Most texels per byte of a file of radiances, so that a short file cannot ask for memory: zlib packs 1032 to 1, and a texel is
-/// at least one number of two bytes.
+/// Most texels per byte of a file of radiances, so that a short file cannot ask for memory: zlib
+/// packs 1032 to 1, and a texel is at least one number of two bytes.
 const MAX_TEXELS_PER_BYTE: u64 = 516;
 /// The same of Radiance's older runs: a whole scanline of up to 2¹⁵ texels in twelve bytes.
 const MAX_TEXELS_PER_BYTE_IN_RUNS: u64 = 2731;

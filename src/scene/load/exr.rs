@@ -31,8 +31,8 @@ pub(super) struct Exr<'a> {
     primaries: Primaries,
 }
 
-/// Reads what a file announces, and chooses the layer called `name` in it, or the only one. What is not obvious in that choice
-/// goes to `warnings`.
+/// Reads what a file announces, and chooses the layer called `name` in it, or the only one. What is
+/// not obvious in that choice goes to `warnings`.
 pub(super) fn open<'a>(
     file: &'a Path,
     bytes: &'a [u8],
@@ -75,7 +75,8 @@ fn refusal(file: &Path, error: &exr::error::Error) -> InputError {
 }
 
 impl Exr<'_> {
-    /// Decodes the layer into its display window; its sides have been checked. A file's chromaticities count where `is_color`.
+    /// Decodes the layer into its display window; its sides have been checked. A file's
+    /// chromaticities count where `is_color`.
     pub(super) fn decode(
         &self,
         is_color: bool,
@@ -161,16 +162,16 @@ impl Exr<'_> {
     }
 }
 
-/// Red, green and blue of (RY, Y, BY) = ((R − Y)/Y, Y, (B − Y)/Y), where Y is `weights`·(R, G, B) (OpenEXR's "Technical
-/// Introduction", luminance/chroma images).
+/// Red, green and blue of (RY, Y, BY) = ((R − Y)/Y, Y, (B − Y)/Y), where Y is `weights`·(R, G, B)
+/// (OpenEXR's "Technical Introduction", luminance/chroma images).
 fn from_chroma(chroma: DVec3, weights: DVec3) -> DVec3 {
     let y = chroma.y;
     let (r, b) = ((chroma.x + 1.0) * y, (chroma.z + 1.0) * y);
     DVec3::new(r, (y - weights.x * r - weights.z * b) / weights.y, b)
 }
 
-/// Puts the channels `wanted` of a block, by their places in the header, into texels of a display window of `width` × `height`
-/// texels, `stride` numbers each.
+/// Puts the channels `wanted` of a block, by their places in the header, into texels of a display
+/// window of `width` × `height` texels, `stride` numbers each.
 fn insert(
     header: &Header,
     block: &UncompressedBlock,

@@ -1,7 +1,7 @@
 //! Where the files that a scene names are looked up, and which of them it may read.
 //!
-//! A scene may be a stranger's: the files it names lie in its own folder or in a folder that the user named with
-//! `--assets`, symbolic links resolved, and nowhere else.
+//! A scene may be a stranger's: the files it names lie in its own folder or in a folder that the
+//! user named with `--assets`, symbolic links resolved, and nowhere else.
 
 use super::LoadOptions;
 use super::room::Room;
@@ -22,7 +22,8 @@ pub(super) struct Folders {
 }
 
 impl Folders {
-    /// The folder of the scene file `path`, then those of `options`. Fails when one of them does not exist.
+    /// The folder of the scene file `path`, then those of `options`. Fails when one of them does
+    /// not exist.
     pub(super) fn of_scene(path: &Path, options: &LoadOptions) -> Result<Self, InputError> {
         let file = std::fs::canonicalize(path).map_err(|e| unreadable(path, &e))?;
         let own = file
@@ -130,7 +131,8 @@ impl Folders {
     }
 }
 
-/// `path` without `.` and `..`, taken textually: nothing outside the allowed folders is ever touched.
+/// `path` without `.` and `..`, taken textually: nothing outside the allowed folders is ever
+/// touched.
 fn normalized(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for component in path.components() {
@@ -162,7 +164,8 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, InputError> {
     std::fs::read(path).map_err(|e| unreadable(path, &e))
 }
 
-/// What the operating system says about a file that cannot be read, in our words where it is common.
+/// What the operating system says about a file that cannot be read, in our words where it is
+/// common.
 pub(super) fn unreadable(path: &Path, error: &std::io::Error) -> InputError {
     match error.kind() {
         ErrorKind::NotFound => InputError::file(path, "there is no such file", ""),

@@ -48,8 +48,8 @@ fn fold_specular_glossiness(material: &mut Material, textures: &[Texture]) {
     }
 }
 
-/// What metallic, whose texture varies or which is a factor, makes of glass: where something passes, roughness does not
-/// count, and a point is metal or it is not.
+/// What metallic, whose texture varies or which is a factor, makes of glass: where something
+/// passes, roughness does not count, and a point is metal or it is not.
 fn fold_glass(material: &mut Material, textures: &[Texture]) -> Option<String> {
     let Bsdf::MetallicRoughness {
         metallic, layer, ..

@@ -53,9 +53,9 @@ const VIEWS: [View; 6] = [
     },
 ];
 
-/// A camera that looks along −z at the middle of the shapes' bounding box, from just as far away that the box's
-/// front face fits the film with a margin; along another axis where the shapes are seen edge-on or from behind. Returns the
-/// axis as well.
+/// A camera that looks along −z at the middle of the shapes' bounding box, from just as far away
+/// that the box's front face fits the film with a margin; along another axis where the shapes are
+/// seen edge-on or from behind. Returns the axis as well.
 pub(super) fn framed(
     shapes: &[Shape],
     materials: &[Material],
@@ -85,7 +85,8 @@ pub(super) fn framed(
     (camera, view.name)
 }
 
-/// Index of the first view, or, where that shows next to nothing, of the one that shows the largest area.
+/// Index of the first view, or, where that shows next to nothing, of the one that shows the largest
+/// area.
 fn best_view(shapes: &[Shape], materials: &[Material]) -> usize {
     let mut visible = [0.0; VIEWS.len()];
     for shape in shapes {
@@ -104,7 +105,8 @@ fn best_view(shapes: &[Shape], materials: &[Material]) -> usize {
     best.unwrap_or(0)
 }
 
-/// Which sides of a shape show something, as factors on the areas that face the viewer and that do not.
+/// Which sides of a shape show something, as factors on the areas that face the viewer and that do
+/// not.
 struct Sides {
     back: f64,
 }
@@ -125,7 +127,8 @@ impl Sides {
         }
     }
 
-    /// What shows of an area whose projection towards the viewer is `projected`, below 0 from behind.
+    /// What shows of an area whose projection towards the viewer is `projected`, below 0 from
+    /// behind.
     fn area(&self, projected: f64) -> f64 {
         if projected >= 0.0 {
             projected
@@ -135,7 +138,8 @@ impl Sides {
     }
 }
 
-/// The areas that a surface consists of, as vectors along its normals. A sphere shows the same from everywhere.
+/// The areas that a surface consists of, as vectors along its normals. A sphere shows the same from
+/// everywhere.
 fn for_each_area(geometry: &Geometry, mut f: impl FnMut(DVec3)) {
     match geometry {
         Geometry::Rectangle { u, v, .. } => f(u.cross(*v)),
@@ -293,7 +297,8 @@ mod tests {
         assert_eq!(camera(&[lamp], film).forward, DVec3::Y);
     }
 
-    /// A thin slab lying down is as good as flat, one standing up is not; nor is a flat floor with something on it.
+    /// A thin slab lying down is as good as flat, one standing up is not; nor is a flat floor with
+    /// something on it.
     #[test]
     fn what_shows_enough_is_seen_along_z() {
         let film = FilmSize::default();

@@ -10,8 +10,8 @@ use std::path::Path;
 /// Longest side of a map.
 const MAX_SIDE: u32 = 32_768;
 
-/// Reads a latitude-longitude map, of an OpenEXR file the layer called `layer`. Texels that are negative or not finite become
-/// black; `warnings` gets their number.
+/// Reads a latitude-longitude map, of an OpenEXR file the layer called `layer`. Texels that are
+/// negative or not finite become black; `warnings` gets their number.
 pub(super) fn read_environment(
     path: &Path,
     layer: Option<&str>,

@@ -53,8 +53,8 @@ pub(super) fn read(
     Ok(vec![NamedMesh { name, mesh }])
 }
 
-/// Drops triangles without area or with a vertex that is not finite, and vertices that no triangle uses (they
-/// would stretch the bounding box). Returns the number of dropped triangles.
+/// Drops triangles without area or with a vertex that is not finite, and vertices that no triangle
+/// uses (they would stretch the bounding box). Returns the number of dropped triangles.
 pub(super) fn clean(mesh: &mut Mesh) -> usize {
     let before = mesh.triangles.len();
     let positions = &mesh.positions;
@@ -76,7 +76,8 @@ pub(super) fn dropped_warning(name: &str, dropped: usize) -> String {
     )
 }
 
-/// Whether a triangle is finite and its area is above what rounding in f64 makes of a collinear one.
+/// Whether a triangle is finite and its area is above what rounding in f64 makes of a collinear
+/// one.
 fn has_area([a, b, c]: [glam::DVec3; 3]) -> bool {
     let (ab, ac, bc) = (b - a, c - a, c - b);
     let longest_squared = ab

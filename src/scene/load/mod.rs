@@ -1,7 +1,8 @@
 //! Reads a scene file (TOML, glTF, GLB) and everything it names.
 //!
-//! Each file format lives in a module of its own; all of them end in the same [`Scene`], in world space and f64,
-//! validated. What a file asks for and direkt does not do becomes one sentence in [`Scene::warnings`].
+//! Each file format lives in a module of its own; all of them end in the same [`Scene`], in world
+//! space and f64, validated. What a file asks for and direkt does not do becomes one sentence in
+//! [`Scene::warnings`].
 
 mod chromaticities;
 mod cutoff;
@@ -38,11 +39,13 @@ use std::path::{Path, PathBuf};
 pub struct LoadOptions {
     /// Further folders in which the files that a scene names are looked up, after the scene's own.
     pub assets: Vec<PathBuf>,
-    /// Most triangles that are worth reading; where there are more, that is said before they are read.
+    /// Most triangles that are worth reading; where there are more, that is said before they are
+    /// read.
     pub capacity: Option<Capacity>,
 }
 
-/// Reads the scene in `path` (`.toml`, `.gltf` or `.glb`) with every file it names, and validates it.
+/// Reads the scene in `path` (`.toml`, `.gltf` or `.glb`) with every file it names, and validates
+/// it.
 ///
 /// # Errors
 /// [`Error::Input`] names the file, the field in it, what is wrong there and what would be right.
@@ -93,7 +96,8 @@ fn load_from(path: &Path, folders: &Folders, options: &LoadOptions) -> Result<Sc
     Ok(scene)
 }
 
-/// Validates `scene`, and leaves out of it what makes no difference or has no meaning, which [`Scene::warnings`] tells.
+/// Validates `scene`, and leaves out of it what makes no difference or has no meaning, which
+/// [`Scene::warnings`] tells.
 ///
 /// # Errors
 /// A number is out of its domain.

@@ -22,7 +22,8 @@ pub(super) struct Libraries {
 }
 
 impl Libraries {
-    /// Reads the libraries that `obj`, the file `path`, names. Those that are not there are warned of.
+    /// Reads the libraries that `obj`, the file `path`, names. Those that are not there are warned
+    /// of.
     pub(super) fn read(
         obj: &ObjFile,
         path: &Path,
@@ -123,8 +124,8 @@ impl Libraries {
     }
 }
 
-/// The file that `field` of `file` calls `name`: as it is written, with the other kind of slashes, or by its last part alone,
-/// as other machines have other folders.
+/// The file that `field` of `file` calls `name`: as it is written, with the other kind of slashes,
+/// or by its last part alone, as other machines have other folders.
 fn find(folders: &Folders, name: &str, file: &Path, field: &str) -> Result<PathBuf, InputError> {
     let slashed = name.replace('\\', "/");
     let last = slashed.rsplit('/').next().unwrap_or_default();

@@ -1,4 +1,5 @@
-//! Wavefront OBJ: positions, normals, texture coordinates, vertex colours and faces, with the names of their materials.
+//! Wavefront OBJ: positions, normals, texture coordinates, vertex colours and faces, with the names
+//! of their materials.
 
 mod statements;
 
@@ -178,7 +179,8 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// What `vertices` have of `all` by the index `which`, `missing` where they have none; empty where none has any.
+/// What `vertices` have of `all` by the index `which`, `missing` where they have none; empty where
+/// none has any.
 fn attribute<T: Copy>(vertices: &[[u32; 3]], which: usize, all: &[T], missing: T) -> Vec<T> {
     if vertices.iter().all(|vertex| vertex[which] == NONE) {
         return Vec::new();

@@ -1,5 +1,5 @@
-//! Stanford PLY: ascii, binary little and big endian. Positions, normals, texture coordinates, vertex colours, faces and
-//! triangle strips are read.
+//! Stanford PLY: ascii, binary little and big endian. Positions, normals, texture coordinates,
+//! vertex colours, faces and triangle strips are read.
 
 mod clean;
 mod elements;
@@ -19,7 +19,8 @@ use std::path::Path;
 /// The element of triangle strips.
 const STRIPS: &str = "tristrips";
 
-/// What an element may say about what is seen, beside what is read; where there, it is named in a warning.
+/// What an element may say about what is seen, beside what is read; where there, it is named in a
+/// warning.
 const NOT_READ: [(&str, &[&str]); 3] = [
     (
         "face",
@@ -36,7 +37,8 @@ const NOT_READ: [(&str, &[&str]); 3] = [
     ("edge", &["vertex1"]),
 ];
 
-/// What a message goes on with after the line that is wrong: the same line again, or the state of the grammar's parser.
+/// What a message goes on with after the line that is wrong: the same line again, or the state of
+/// the grammar's parser.
 const NOISE: [&str; 3] = [
     "\n\tError: ParseError {",
     "\n\tError: Couldn't parse element line.",
@@ -109,7 +111,8 @@ fn payload<E: PropertyAccess>(
     Parser::new().read_payload_for_element(reader, element, header)
 }
 
-/// Refuses files without positions or faces, and counts that the file is too short for: the parser would believe them.
+/// Refuses files without positions or faces, and counts that the file is too short for: the parser
+/// would believe them.
 fn check_header(path: &Path, header: &Header, size: usize) -> Result<(), InputError> {
     let property = |element: &str, names: &[&str]| {
         header
@@ -153,7 +156,8 @@ fn check_header(path: &Path, header: &Header, size: usize) -> Result<(), InputEr
     Ok(())
 }
 
-/// The least number of bytes one element takes (an empty list is its length alone; in ascii, a digit and a separator).
+/// The least number of bytes one element takes (an empty list is its length alone; in ascii, a
+/// digit and a separator).
 fn least_bytes(element: &ElementDef, encoding: Encoding) -> usize {
     let bytes = |s: &ScalarType| match s {
         ScalarType::Char | ScalarType::UChar => 1,

@@ -1,14 +1,15 @@
 //! Polygons of mesh files as triangles.
 //!
-//! A fan from the first corner where that covers the polygon, as of every convex one; else the ears that the crate `earcut`
-//! cuts. Orientation is kept, and which corner comes first matters to neither area nor outline.
+//! A fan from the first corner where that covers the polygon, as of every convex one; else the ears
+//! that the crate `earcut` cuts. Orientation is kept, and which corner comes first matters to
+//! neither area nor outline.
 
 use super::transform;
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
-/// Distance, in extents of the polygon, by which a corner may lie on the wrong side of a line: what rounding to f32 makes of
-/// corners on a line.
+/// Distance, in extents of the polygon, by which a corner may lie on the wrong side of a line: what
+/// rounding to f32 makes of corners on a line.
 const ROUNDING: f64 = 4.0 / 16_777_216.0;
 /// Part of a polygon's area that its triangles may differ from it by.
 const AREA_TOLERANCE: f64 = 1e-6;
@@ -124,9 +125,10 @@ fn has_area(points: &[DVec3], [a, b, c]: [usize; 3]) -> bool {
     u.cross(v).length() > 1e-12 * u.length() * v.length()
 }
 
-/// The points in the plane that fits best, seen from its front, their extent brought to 1; `None` where they are not
-/// finite or enclose no area. The plane's normal is that of the enclosed area (Newell 1972, in Sutherland, Sproull &
-/// Schumacker 1974, *A Characterization of Ten Hidden-Surface Algorithms*).
+/// The points in the plane that fits best, seen from its front, their extent brought to 1; `None`
+/// where they are not finite or enclose no area. The plane's normal is that of the enclosed area
+/// (Newell 1972, in Sutherland, Sproull & Schumacker 1974, *A Characterization of Ten
+/// Hidden-Surface Algorithms*).
 fn project(points: &[DVec3]) -> Option<Vec<DVec2>> {
     let from_first = points.iter().map(|p| *p - points[0]);
     let extent = from_first.clone().map(|p| p.abs().max_element());
@@ -144,8 +146,8 @@ fn project(points: &[DVec3]) -> Option<Vec<DVec2>> {
     }
 }
 
-/// Whether a fan from the first point covers the polygon and nothing twice: no triangle of it is turned over, by more than its
-/// corners' rounding.
+/// Whether a fan from the first point covers the polygon and nothing twice: no triangle of it is
+/// turned over, by more than its corners' rounding.
 fn fan_covers(plane: &[DVec2]) -> bool {
     fan(plane).all(|t| {
         let [a, b, c] = t.map(|i| plane[i]);
@@ -154,7 +156,8 @@ fn fan_covers(plane: &[DVec2]) -> bool {
     })
 }
 
-/// The point from which on the polygon is cut, whichever point comes first: the least of the sequences that begin at a point.
+/// The point from which on the polygon is cut, whichever point comes first: the least of the
+/// sequences that begin at a point.
 fn canonical_start(points: &[DVec3]) -> usize {
     let count = points.len();
     let sequence = |start: usize| (0..count).map(move |i| points[(start + i) % count].to_array());

@@ -1,6 +1,7 @@
 //! Radiance pictures (.hdr, .pic): a header of text, then scanlines of shared-exponent texels.
 //!
-//! G. Ward, "Real Pixels", Graphics Gems II, 1991; Radiance's "File Formats" (filefmts.pdf), chapter "Picture files".
+//! G. Ward, "Real Pixels", Graphics Gems II, 1991; Radiance's "File Formats" (filefmts.pdf),
+//! chapter "Picture files".
 
 mod scanlines;
 
@@ -11,7 +12,8 @@ use image::Rgb32FImage;
 use scanlines::{Problem, decode_scanline, scale};
 use std::path::Path;
 
-/// Whether a file is one: its first line begins so, whatever program follows (`#?RADIANCE`, `#?RGBE`, …).
+/// Whether a file is one: its first line begins so, whatever program follows (`#?RADIANCE`,
+/// `#?RGBE`, …).
 pub(super) fn is_radiance(bytes: &[u8]) -> bool {
     bytes.starts_with(b"#?")
 }
@@ -202,7 +204,8 @@ impl Colors {
     }
 }
 
-/// Whether these are what a file without PRIMARIES has: BT.709's, or Radiance's own, whose difference nothing regards.
+/// Whether these are what a file without PRIMARIES has: BT.709's, or Radiance's own, whose
+/// difference nothing regards.
 fn is_usual(primaries: &Primaries) -> bool {
     let own = Primaries {
         green: DVec2::new(0.29, 0.60),
@@ -212,7 +215,8 @@ fn is_usual(primaries: &Primaries) -> bool {
     primaries.are(&REC709) || primaries.are(&own)
 }
 
-/// Width, height and layout of `-Y 512 +X 1024` and its seven siblings: the first side counts scanlines.
+/// Width, height and layout of `-Y 512 +X 1024` and its seven siblings: the first side counts
+/// scanlines.
 fn resolution(line: &str) -> Option<(u32, u32, Layout)> {
     let words: Vec<&str> = line.split_ascii_whitespace().collect();
     let [slow, scanlines, fast, texels] = words[..] else {

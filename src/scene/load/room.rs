@@ -64,7 +64,8 @@ impl Room {
     }
 }
 
-/// Refuses a scene whose meshes make more triangles than its files promised and there is room for, as polygons do.
+/// Refuses a scene whose meshes make more triangles than its files promised and there is room for,
+/// as polygons do.
 ///
 /// # Errors
 /// They do.

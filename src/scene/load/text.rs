@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// The text of a file: UTF-8, or UTF-16 after a byte order mark. Lines that are neither, such as comments of old exporters,
-/// are taken as Latin-1. The mark itself is left out.
+/// The text of a file: UTF-8, or UTF-16 after a byte order mark. Lines that are neither, such as
+/// comments of old exporters, are taken as Latin-1. The mark itself is left out.
 pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
     match bytes {
         [0xff, 0xfe, rest @ ..] => Cow::Owned(utf16(rest, u16::from_le_bytes)),
@@ -44,7 +44,8 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = &str> {
         .flat_map(|line| line.strip_suffix('\r').unwrap_or(line).split('\r'))
 }
 
-/// The number that `word` spells: also with Fortran's exponent, `1d0`, and as C runtimes print what is none, `-1.#IND`.
+/// The number that `word` spells: also with Fortran's exponent, `1d0`, and as C runtimes print what
+/// is none, `-1.#IND`.
 pub(super) fn number(word: &str) -> Option<f64> {
     if let Ok(number) = word.parse() {
         return Some(number);

@@ -51,7 +51,8 @@ impl Textures {
         }
     }
 
-    /// The texture called `name`, of an OpenEXR file its layer `layer`, made of what `bytes` returns unless it is known.
+    /// The texture called `name`, of an OpenEXR file its layer `layer`, made of what `bytes`
+    /// returns unless it is known.
     pub(super) fn get(
         &mut self,
         name: &Path,
@@ -85,8 +86,8 @@ impl Textures {
         Ok(id)
     }
 
-    /// Moves the cutoff of `opacity`, whose texture is one of these, to where it divides the texture's values as it divides the
-    /// image's.
+    /// Moves the cutoff of `opacity`, whose texture is one of these, to where it divides the
+    /// texture's values as it divides the image's.
     pub(super) fn settle_cutoff(&mut self, opacity: &mut Opacity) {
         let Some(used) = opacity.texture else { return };
         let texture = &mut self.list[used.texture.index() - self.first];
@@ -109,7 +110,8 @@ impl Textures {
         }
     }
 
-    /// Red, green and blue of the texture `id`, which is one of these, where they are the same everywhere.
+    /// Red, green and blue of the texture `id`, which is one of these, where they are the same
+    /// everywhere.
     pub(super) fn constant(&self, id: TextureId) -> Option<DVec3> {
         self.list[id.index() - self.first].constant()
     }
@@ -197,7 +199,8 @@ fn fine_alphas(image: &DynamicImage, meaning: Meaning) -> Option<Vec<f32>> {
     }
 }
 
-/// Checks that an image has the channels that its meaning asks for. Grey stands for equal red, green and blue.
+/// Checks that an image has the channels that its meaning asks for. Grey stands for equal red,
+/// green and blue.
 fn check_channels(
     name: &Path,
     image: &DynamicImage,

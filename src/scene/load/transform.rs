@@ -1,8 +1,8 @@
 //! Moves geometry by an affine transform and keeps its front.
 //!
-//! Normals transform by the inverse transpose, so the outward (and emitting) side of a mirrored shape stays the
-//! outward side: where the determinant is negative, the two edges of a rectangle or disk and the winding of a
-//! triangle are swapped.
+//! Normals transform by the inverse transpose, so the outward (and emitting) side of a mirrored
+//! shape stays the outward side: where the determinant is negative, the two edges of a rectangle or
+//! disk and the winding of a triangle are swapped.
 
 use crate::scene::{Geometry, Mesh};
 use glam::{DAffine3, DMat3, DVec3, DVec4};
@@ -115,7 +115,8 @@ fn apply_to_mesh(transform: &DAffine3, mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// Turns tangents where `m` moves points. What mirrors turns the sense of n × t, and v falls along what it fell along.
+/// Turns tangents where `m` moves points. What mirrors turns the sense of n × t, and v falls along
+/// what it fell along.
 pub(super) fn turn_tangents(m: &DMat3, tangents: &mut [DVec4]) {
     for tangent in tangents {
         let sense = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
@@ -123,8 +124,8 @@ pub(super) fn turn_tangents(m: &DMat3, tangents: &mut [DVec4]) {
     }
 }
 
-/// What turns normals where `m` moves points, up to a factor: its inverse transposed. Where it flattens space that has no
-/// value, and this has that of the plane which remains.
+/// What turns normals where `m` moves points, up to a factor: its inverse transposed. Where it
+/// flattens space that has no value, and this has that of the plane which remains.
 pub(super) fn normal_matrix(m: &DMat3) -> DMat3 {
     let cofactors = DMat3::from_cols(
         m.y_axis.cross(m.z_axis),
@@ -138,7 +139,8 @@ pub(super) fn normal_matrix(m: &DMat3) -> DMat3 {
     }
 }
 
-/// The factor of a similarity, `None` for another map; rotations written in decimals are off by about 1e-7.
+/// The factor of a similarity, `None` for another map; rotations written in decimals are off by
+/// about 1e-7.
 fn uniform_scale(m: &DMat3) -> Option<f64> {
     let scale = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
     let tolerance = 1e-5;

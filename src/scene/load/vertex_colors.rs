@@ -77,8 +77,8 @@ fn colored(scene: &mut Scene) -> impl Iterator<Item = (&str, usize, &mut Mesh)> 
     })
 }
 
-/// Drops colours where they would be a factor on nothing: a metal that is given by its index of refraction has no
-/// reflectance beside it.
+/// Drops colours where they would be a factor on nothing: a metal that is given by its index of
+/// refraction has no reflectance beside it.
 pub(super) fn drop_on_metals(scene: &mut Scene) {
     let is_metal = |bsdf: &Bsdf| matches!(bsdf, Bsdf::Metal { .. });
     let metals: Vec<bool> = scene.materials.iter().map(|m| is_metal(&m.bsdf)).collect();
@@ -99,8 +99,8 @@ pub(super) fn drop_on_metals(scene: &mut Scene) {
     }
 }
 
-/// Opacities without what makes no difference: textures and vertex colours of one alpha, and masks that stop all rays or
-/// none.
+/// Opacities without what makes no difference: textures and vertex colours of one alpha, and masks
+/// that stop all rays or none.
 pub(super) fn fold_opacity(scene: &mut Scene) {
     let mut ranges = vec![None; scene.materials.len()];
     for shape in &scene.shapes {

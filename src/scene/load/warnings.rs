@@ -6,8 +6,8 @@ use crate::scene::refine::coarse_shapes;
 use crate::scene::{Bsdf, EnvironmentRadiance, Geometry, Scene, Shape};
 use glam::DVec3;
 
-/// Largest coordinate of a sphere over its distance from what is in view: rays leave it 2⁻²⁰ of that coordinate off it, at this
-/// ratio 2⁻⁶ of the distance.
+/// Largest coordinate of a sphere over its distance from what is in view: rays leave it 2⁻²⁰ of
+/// that coordinate off it, at this ratio 2⁻⁶ of the distance.
 const MAX_COARSENESS: f64 = 16_384.0;
 /// Radiance below this is 0 in the image's 32-bit numbers.
 const LEAST: f64 = f32::MIN_POSITIVE as f64;
@@ -129,7 +129,8 @@ fn size(geometry: &Geometry) -> f64 {
     }
 }
 
-/// Spheres whose surface is near, while their middle is so far that f32 cannot tell where the surface is.
+/// Spheres whose surface is near, while their middle is so far that f32 cannot tell where the
+/// surface is.
 fn coarse_spheres(scene: &Scene, normalization: &Normalization) -> Vec<String> {
     let spheres = scene.shapes.iter().filter_map(|shape| {
         let (center, radius, field) = match shape.geometry {

@@ -73,7 +73,8 @@ pub(super) fn texture_use(file: &Path, used: TextureUse, count: usize, field: &s
     Ok(())
 }
 
-/// Checks that `material` reads textures that exist, `count` of them, and that mean something for it.
+/// Checks that `material` reads textures that exist, `count` of them, and that mean something for
+/// it.
 pub(super) fn textures(file: &Path, material: &Material, count: usize) -> Outcome {
     let maps = &material.textures;
     let error = |key: &str, problem: String, expected: &str| {

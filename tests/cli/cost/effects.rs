@@ -4,8 +4,8 @@ use super::super::{run, text};
 use super::{CORNELL, read};
 use serde_json::Value;
 
-/// Errors at equal samples are equal, images the same in all bits, and the ratio of efficiencies is the inverse of that of times.
-/// What the scene calls for anyway is said to be.
+/// Errors at equal samples are equal, images the same in all bits, and the ratio of efficiencies is
+/// the inverse of that of times. What the scene calls for anyway is said to be.
 #[test]
 fn effects_without_need_cost_time_alone() {
     let folder = tempfile::tempdir().unwrap();

@@ -4,7 +4,8 @@ use super::{CORNELL, read, text};
 use serde_json::Value;
 use std::path::Path;
 
-/// Runs `direkt cost` on `scenes` and sends Ctrl-C once `begun` has read what it waits for. Exit code and stderr.
+/// Runs `direkt cost` on `scenes` and sends Ctrl-C once `begun` has read what it waits for. Exit
+/// code and stderr.
 fn interrupted(
     folder: &Path,
     scenes: &[&str],

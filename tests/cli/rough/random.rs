@@ -1,7 +1,8 @@
-//! Runs at random, each handled roughly in one way or another: no image that could be written is lost, no input changes, and
-//! exit codes are 0, 1 and 2.
+//! Runs at random, each handled roughly in one way or another: no image that could be written is
+//! lost, no input changes, and exit codes are 0, 1 and 2.
 //!
-//! `DIREKT_ROUGH_RUNS` is their number, 500 otherwise; without it they end after [`LIMIT`] however many there were, which is said.
+//! `DIREKT_ROUGH_RUNS` is their number, 500 otherwise; without it they end after [`LIMIT`] however
+//! many there were, which is said.
 
 use super::{Running, SmallDisk, end_without_room, endless, saved_as, say};
 use crate::cli::outputs::{TINY, colours, direkt_in};
@@ -200,7 +201,8 @@ fn file_too_large(bench: &mut Bench<'_>) {
     }
 }
 
-/// Takes everything away but the scene and the disk, and checks that the scene is as it was and nothing is hidden.
+/// Takes everything away but the scene and the disk, and checks that the scene is as it was and
+/// nothing is hidden.
 fn clear(folder: &Path) {
     let scene = std::fs::read_to_string(folder.join("s.toml")).unwrap();
     assert_eq!(scene, TINY, "an input has changed");

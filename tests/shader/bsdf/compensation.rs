@@ -40,7 +40,8 @@ fn the_fits_are_near_the_quadrature() {
     assert!((ggx_average_deficit(1.0) / exact - 1.0).abs() < 0.01);
 }
 
-/// The furnace: the GGX lobe's exact albedo and the added lobe's are 1 within a hundredth. Without it up to 69 % are missing.
+/// The furnace: the GGX lobe's exact albedo and the added lobe's are 1 within a hundredth. Without
+/// it up to 69 % are missing.
 #[test]
 fn a_white_metal_keeps_all_light() {
     let mut least = 1.0_f64;
@@ -81,7 +82,8 @@ fn a_lobe_that_is_not_compensated_adds_nothing() {
     assert_eq!(eval_compensation(&narrow, 0.1, 0.2), DVec3::ZERO);
 }
 
-/// The terms of a deficit add up to 280 at most, and take 12 roundings; the average has 16, as its denominator.
+/// The terms of a deficit add up to 280 at most, and take 12 roundings; the average has 16, as its
+/// denominator.
 #[test]
 fn the_fits_are_the_twins() {
     let function = Function {

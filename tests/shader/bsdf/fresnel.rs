@@ -25,8 +25,9 @@ fn f32_of(x: f64) -> f64 {
     f64::from(x as f32)
 }
 
-/// Both forms as functions of the same f32s. Rounding the index moves r_s and r_p by what it does to η² − 1, and by 24
-/// roundings of their own; near the critical angle it moves c² + η² − 1 by 4 roundings, and R by the root of that.
+/// Both forms as functions of the same f32s. Rounding the index moves r_s and r_p by what it does
+/// to η² − 1, and by 24 roundings of their own; near the critical angle it moves c² + η² − 1 by 4
+/// roundings, and R by the root of that.
 #[test]
 fn dielectrics_reflect_as_the_twin() {
     let cosines = [
@@ -65,8 +66,9 @@ fn dielectrics_reflect_as_the_twin() {
     }
 }
 
-/// HARD CASES B4: equal indices reflect nothing and let pass straight; all but equal ones reflect 2.5e-13·4 at 60°, of which
-/// the textbook's difference of cosines leaves nothing in f32. Values of Fresnel's equations for glass beside it.
+/// HARD CASES B4: equal indices reflect nothing and let pass straight; all but equal ones reflect
+/// 2.5e-13·4 at 60°, of which the textbook's difference of cosines leaves nothing in f32. Values of
+/// Fresnel's equations for glass beside it.
 #[test]
 fn equal_indices_reflect_nothing() {
     let cosine = |degrees: f64| degrees.to_radians().cos();
@@ -144,7 +146,8 @@ fn all_but_equal_indices_reflect_what_they_should() {
     );
 }
 
-/// The formula in real numbers against the one in complex numbers; the loss 1 − R is known to 64 roundings.
+/// The formula in real numbers against the one in complex numbers; the loss 1 − R is known to 64
+/// roundings.
 #[test]
 fn conductors_reflect_as_the_twin() {
     let function = Function {

@@ -22,8 +22,9 @@ fn f32_of(x: f64) -> f64 {
     f64::from(x as f32)
 }
 
-/// Every function is a chain of sums of positive terms, products, quotients (2.5 ulp) and roots (4.5 ulp, as WGSL has
-/// them). The longest, D·V, takes 27 roundings for D and 22 for V; 64 are allowed.
+/// Every function is a chain of sums of positive terms, products, quotients (2.5 ulp) and roots
+/// (4.5 ulp, as WGSL has them). The longest, D·V, takes 27 roundings for D and 22 for V; 64 are
+/// allowed.
 #[test]
 fn ggx_values_are_the_twins() {
     let context = context();
@@ -131,9 +132,10 @@ const SAMPLE: Function<'_> = Function {
     features: &[],
 };
 
-/// The cap's point (x, y, z) is computed to δz = 40 roundings (normalisation 16, sums and products) and, across, to
-/// δr + 24 roundings, where the root r = √(1 − z²) turns δz into min(q/r, √q) with q = 2δz + 2 roundings. Scaling by α
-/// leaves an angle of at most (A·δz + 2L·αδr)/L², with A = α|x, y| and L² = A² + z². Twice that for second order.
+/// The cap's point (x, y, z) is computed to δz = 40 roundings (normalisation 16, sums and products)
+/// and, across, to δr + 24 roundings, where the root r = √(1 − z²) turns δz into min(q/r, √q) with
+/// q = 2δz + 2 roundings. Scaling by α leaves an angle of at most (A·δz + 2L·αδr)/L², with A = α|x,
+/// y| and L² = A² + z². Twice that for second order.
 pub(super) fn sample_bound(wo: DVec3, alpha: f64, u: DVec2) -> f64 {
     let stretched = DVec3::new(alpha * wo.x, alpha * wo.y, wo.z).normalize();
     let z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z;
@@ -173,15 +175,16 @@ fn visible_normals_are_the_twins() {
     }
 }
 
-/// `w` with its tangential components scaled: by 1/α it leads to the configuration in which the microsurface is a
-/// hemisphere.
+/// `w` with its tangential components scaled: by 1/α it leads to the configuration in which the
+/// microsurface is a hemisphere.
 fn stretch(w: DVec3, factor: f64) -> DVec3 {
     DVec3::new(factor * w.x, factor * w.y, w.z).normalize()
 }
 
-/// Density per solid angle of the reflection r of `wo` about the normal h, both in the configuration where the
-/// microsurface is a hemisphere and r is uniform on a cap (Dupuy & Benyoub): narrow lobes are resolved as well as wide
-/// ones. From `pdf_ggx`, by dω_i = 4(ω_o·h) dω_h, dω_h = α²/|M n|³ dω_n with M = diag(α, α, 1), and dω_r = 4(s·n) dω_n.
+/// Density per solid angle of the reflection r of `wo` about the normal h, both in the
+/// configuration where the microsurface is a hemisphere and r is uniform on a cap (Dupuy &
+/// Benyoub): narrow lobes are resolved as well as wide ones. From `pdf_ggx`, by dω_i = 4(ω_o·h)
+/// dω_h, dω_h = α²/|M n|³ dω_n with M = diag(α, α, 1), and dω_r = 4(s·n) dω_n.
 fn cap_pdf(wo: DVec3, alpha: f64, r: DVec3) -> f64 {
     let s = stretch(wo, alpha);
     let Some(n) = (r + s).try_normalize().filter(|n| n.z > 0.0) else {
@@ -265,8 +268,9 @@ fn visible_normals_match_pdf() {
     }
 }
 
-/// HARD CASES B2: ∫ D (ω_o·h)⁺ G1/cosθ_o dω_h = 1, that is, the density of visible normals. Estimated over
-/// unstretched normals that are uniform on the hemisphere, where the integrand is bounded.
+/// HARD CASES B2: ∫ D (ω_o·h)⁺ G1/cosθ_o dω_h = 1, that is, the density of visible normals.
+/// Estimated over unstretched normals that are uniform on the hemisphere, where the integrand is
+/// bounded.
 #[test]
 fn visible_normals_integrate_to_one() {
     let context = context();
@@ -307,8 +311,8 @@ fn visible_normals_integrate_to_one() {
             .zip(answers.f64(1).zip(answers.f64(2)))
             .map(|(value, (jacobian, cos))| (value, jacobian, cos))
             .collect();
-        // The bounds of the functions, as one bias of all samples: 128 roundings, and D's sensitivity 2/α to the angle of
-        // h, known to 16.
+        // The bounds of the functions, as one bias of all samples: 128 roundings, and D's
+        // sensitivity 2/α to the angle of h, known to 16.
         let allowance = (128.0 + 32.0 / alpha) * U;
         let p_value = |values: &mut dyn Iterator<Item = f64>| {
             let m: Moments = values.collect();
@@ -333,7 +337,8 @@ fn visible_normals_integrate_to_one() {
                     continue;
                 }
             };
-            // At α = 0.01 normals are upright: their cosine is 1 up to 1e-4, as small as the error of the mean.
+            // At α = 0.01 normals are upright: their cosine is 1 up to 1e-4, as small as the error
+            // of the mean.
             if row.twin != BrokenTwin::ExtraCosine || alpha > 0.1 {
                 statistics::reject(broken, &format!("{what}, {}", row.name));
             }

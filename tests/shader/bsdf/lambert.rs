@@ -84,8 +84,8 @@ fn lambert_samples_match_pdf() {
             BrokenTwin::ExtraCosine => {
                 histogram::directions_p_value(&samples, |w| 1.5 * pdf(w) * w.z)
             }
-            // Swapping sine and cosine maps the cosine distribution onto itself, and the others are about choosing among
-            // lights and strategies.
+            // Swapping sine and cosine maps the cosine distribution onto itself, and the others are
+            // about choosing among lights and strategies.
             BrokenTwin::SwappedSinCos
             | BrokenTwin::LightLeftOut
             | BrokenTwin::MisWeights

@@ -186,8 +186,8 @@ fn drawn(m: &BsdfParameters, degrees: f64, front: bool, seed: u32) -> Answers {
     draw(context(), &function, 1 << 18)
 }
 
-/// In the mean, what goes each way is what Fresnel's equations let go there: with the weight of a way counted in its samples
-/// alone. Broken: radiance
+/// In the mean, what goes each way is what Fresnel's equations let go there: with the weight of a
+/// way counted in its samples alone. Broken: radiance
 /// that is scaled by η² once too often or too seldom.
 #[test]
 fn each_way_keeps_its_light() {
@@ -208,7 +208,8 @@ fn each_way_keeps_its_light() {
         transmittance: DVec3::splat(0.5),
         thin: true,
     };
-    // Seen from inside at the angle of refraction, the reflectance is the same, and radiance grows by η².
+    // Seen from inside at the angle of refraction, the reflectance is the same, and radiance grows
+    // by η².
     let inside = (60.0_f64.to_radians().sin() / 1.5).asin().to_degrees();
     let cases = [
         (glass, 60.0, true, [0.0, r, (1.0 - r) / 2.25]),
@@ -234,8 +235,8 @@ fn each_way_keeps_its_light() {
     }
 }
 
-/// Light that passes and light that is reflected are all light, from outside and from inside; and what is refracted obeys
-/// Snell's law in both.
+/// Light that passes and light that is reflected are all light, from outside and from inside; and
+/// what is refracted obeys Snell's law in both.
 #[test]
 fn the_twin_keeps_energy_and_snells_law() {
     for degrees in [0.0_f64, 20.0, 40.0, 60.0, 89.0] {

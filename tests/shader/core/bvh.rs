@@ -79,10 +79,10 @@ fn enter_grown(grid: Grid, case: &Case, by: f64) -> Option<f64> {
     entered.filter(|_| exists)
 }
 
-/// What the traversal relies on: the test's rounding is below the build's padding. What enters the box shrunk by it
-/// enters, what misses the box grown by it misses, and the parameter lies between theirs. Per axis the plane's distance
-/// is off by 3 U of the origin's coordinate and 6 U of itself, which for origins within one scene's size of the scene
-/// are 0.06 cells.
+/// What the traversal relies on: the test's rounding is below the build's padding. What enters the
+/// box shrunk by it enters, what misses the box grown by it misses, and the parameter lies between
+/// theirs. Per axis the plane's distance is off by 3 U of the origin's coordinate and 6 U of
+/// itself, which for origins within one scene's size of the scene are 0.06 cells.
 #[test]
 fn boxes_are_entered_within_the_padding() {
     let mut random = Random::new(35);
@@ -104,7 +104,8 @@ fn boxes_are_entered_within_the_padding() {
                 (a + small).min(DVec3::splat(65_535.0))
             };
             let low = if i % 2 == 0 { a.min(b) } else { a };
-            // From within a scene's size, towards the box's surroundings: along its edges and corners, too.
+            // From within a scene's size, towards the box's surroundings: along its edges and
+            // corners, too.
             let from = DVec3::from_array(std::array::from_fn(|_| {
                 random.between(-65_535.0, 131_070.0)
             }));
@@ -150,8 +151,9 @@ fn boxes_are_entered_within_the_padding() {
     assert!(counts[0] > 10_000 && counts[1] > 10_000, "{counts:?}");
 }
 
-/// HARD CASES G6: a ray in the lower face, in the upper face, along an edge, parallel to a face and inside, in a box
-/// without thickness, parallel and outside; in either direction along each axis, with boxes padded as the build does.
+/// HARD CASES G6: a ray in the lower face, in the upper face, along an edge, parallel to a face and
+/// inside, in a box without thickness, parallel and outside; in either direction along each axis,
+/// with boxes padded as the build does.
 #[test]
 fn axis_parallel_rays_meet_what_they_touch() {
     let grid = Grid {
@@ -222,8 +224,8 @@ fn axis_parallel_rays_meet_what_they_touch() {
     );
 }
 
-/// Kay and Kajiya's slabs with 1/d = ±∞ where d is 0: where an origin lies in a face, 0·∞ is no number, and no comparison
-/// with it holds.
+/// Kay and Kajiya's slabs with 1/d = ±∞ where d is 0: where an origin lies in a face, 0·∞ is no
+/// number, and no comparison with it holds.
 fn textbook_slabs((origin, direction): (Vec3, Vec3), low: Vec3, high: Vec3) -> bool {
     let (mut enter, mut leave) = (0.0_f32, f32::INFINITY);
     for axis in 0..3 {

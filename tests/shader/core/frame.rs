@@ -34,9 +34,9 @@ fn normals() -> Vec<DVec3> {
         .collect()
 }
 
-/// ±1 + z has magnitude 1 to 2, so 1/(±1 + z) is off by 6 U; 1 + x²/(±1 + z) by 9 U, all terms being at most 1, and xy/(…)
-/// by 8 U. The normal itself, rounded to f32, has its length off by 2 U; scalar products of two axes are off by 3 × 10 U
-/// for each and by what the length does.
+/// ±1 + z has magnitude 1 to 2, so 1/(±1 + z) is off by 6 U; 1 + x²/(±1 + z) by 9 U, all terms
+/// being at most 1, and xy/(…) by 8 U. The normal itself, rounded to f32, has its length off by 2
+/// U; scalar products of two axes are off by 3 × 10 U for each and by what the length does.
 #[test]
 fn frames_are_the_twins_and_orthonormal() {
     let context = context();
@@ -70,7 +70,8 @@ fn frames_are_the_twins_and_orthonormal() {
     }
 }
 
-/// Each component is a sum of three products: 3 U of their magnitudes. Any frame will do, not only orthonormal ones.
+/// Each component is a sum of three products: 3 U of their magnitudes. Any frame will do, not only
+/// orthonormal ones.
 #[test]
 fn changes_of_frame_are_the_twins() {
     let context = context();

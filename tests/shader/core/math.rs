@@ -10,9 +10,10 @@ use direkt::low_level::reference::core::math::{
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// The sum 1 + y·p with y ≤ 0.62, |p| ≤ ½: ½ U for the sum, ⅓ U each for y·p and for the rounding of y, ¼ U for p, and
-/// Taylor's remainder x¹⁰/10! ≤ 0.42 U of the cosine: below 2 U, and below 3 U with what the lower terms add. The sine
-/// is a multiple of x, so its error is relative; |s| ≥ 0.9 and another product: 4 U.
+/// The sum 1 + y·p with y ≤ 0.62, |p| ≤ ½: ½ U for the sum, ⅓ U each for y·p and for the rounding
+/// of y, ¼ U for p, and Taylor's remainder x¹⁰/10! ≤ 0.42 U of the cosine: below 2 U, and below 3 U
+/// with what the lower terms add. The sine is a multiple of x, so its error is relative; |s| ≥ 0.9
+/// and another product: 4 U.
 #[test]
 fn sines_and_cosines_are_the_twins() {
     let context = context();
@@ -40,7 +41,8 @@ fn sines_and_cosines_are_the_twins() {
         let expected = sin_cos_octant(x);
         assert_near(of_octant.x, expected.x, 4.0 * U * expected.x.abs(), &what);
         assert_near(of_octant.y, expected.y, 3.0 * U, &what);
-        // u less a multiple of ¼ is exact, 2π as f32 is off by ½ U and the product by U: 1.5 U of x more.
+        // u less a multiple of ¼ is exact, 2π as f32 is off by ½ U and the product by U: 1.5 U of x
+        // more.
         let expected = sin_cos_two_pi(u);
         assert!(
             (of_turn - expected).abs().max_element() <= 5.0 * U,
@@ -52,9 +54,10 @@ fn sines_and_cosines_are_the_twins() {
     }
 }
 
-/// The polynomial is off by 2e-8 = ⅓ U (Abramowitz & Stegun 4.4.49). For angles up to π/4: the quotient is off by 5 U, of
-/// which tan/(1 + tan²) ≤ ½ counts; the square, the sum 1 + z·p and the product with q add 2 U: 5 U. Beyond, π/2 as f32
-/// (¾ U) and the difference (1 U, twice the magnitude), then π (1½ U) and the difference (2 U).
+/// The polynomial is off by 2e-8 = ⅓ U (Abramowitz & Stegun 4.4.49). For angles up to π/4: the
+/// quotient is off by 5 U, of which tan/(1 + tan²) ≤ ½ counts; the square, the sum 1 + z·p and the
+/// product with q add 2 U: 5 U. Beyond, π/2 as f32 (¾ U) and the difference (1 U, twice the
+/// magnitude), then π (1½ U) and the difference (2 U).
 #[test]
 fn angles_are_the_twins() {
     let context = context();
@@ -110,8 +113,9 @@ fn angles_are_the_twins() {
     }
 }
 
-/// The larger square is a sum, 1 U, which the cosine's own rounding U moves by as much; the smaller a product with the
-/// squared sine, known to U, and a quotient, 5 U: 8 U. Of angles that f32 cannot tell from 0 and π as well.
+/// The larger square is a sum, 1 U, which the cosine's own rounding U moves by as much; the smaller
+/// a product with the squared sine, known to U, and a quotient, 5 U: 8 U. Of angles that f32 cannot
+/// tell from 0 and π as well.
 #[test]
 fn squares_of_half_angles_are_the_twins() {
     let context = context();

@@ -10,7 +10,8 @@ use direkt::low_level::reference::core::pdf::{
     PdfArea, PdfDiscrete, PdfSolidAngle, area_to_solid_angle, chosen, power_heuristic,
 };
 
-/// A product and a quotient, 6 U, and the guard 1e-12 rounded; the probability of a choice is one product.
+/// A product and a quotient, 6 U, and the guard 1e-12 rounded; the probability of a choice is one
+/// product.
 #[test]
 fn densities_are_converted_like_the_twins() {
     let context = context();
@@ -47,8 +48,9 @@ fn densities_are_converted_like_the_twins() {
     }
 }
 
-/// HARD CASES M1. The ratio r is off by 5 U, r² by 11 U; 1/(1 + r²) by r²/(1 + r²) ≤ ½ of that, a sum and a quotient:
-/// 12 U, and its product with r² by 24 U. Squares below 2⁻¹²⁶ may be flushed to zero.
+/// HARD CASES M1. The ratio r is off by 5 U, r² by 11 U; 1/(1 + r²) by r²/(1 + r²) ≤ ½ of that, a
+/// sum and a quotient: 12 U, and its product with r² by 24 U. Squares below 2⁻¹²⁶ may be flushed to
+/// zero.
 #[test]
 fn power_heuristic_is_the_twins_at_every_magnitude() {
     let context = context();

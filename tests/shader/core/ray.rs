@@ -94,9 +94,10 @@ fn projections_are_along_the_ray() {
     }
 }
 
-/// Rounding is monotone: the difference of the rounded products may be zero, but never has the wrong sign, also where
-/// the points are parallel up to rounding. Both triangles at an edge see the same number: the edge backwards is its
-/// negative, bit for bit. A compiler that fuses one product and not the other breaks this (HARD CASES G1).
+/// Rounding is monotone: the difference of the rounded products may be zero, but never has the
+/// wrong sign, also where the points are parallel up to rounding. Both triangles at an edge see the
+/// same number: the edge backwards is its negative, bit for bit. A compiler that fuses one product
+/// and not the other breaks this (HARD CASES G1).
 #[test]
 fn edge_functions_never_have_the_wrong_sign() {
     let context = context();

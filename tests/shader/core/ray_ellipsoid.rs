@@ -74,7 +74,8 @@ impl Case {
         .axes()
     }
 
-    /// Ray parameters at which the ellipsoid with half axes longer by `more` is met; `None` where it has none, or is missed.
+    /// Ray parameters at which the ellipsoid with half axes longer by `more` is met; `None` where
+    /// it has none, or is missed.
     fn met(&self, more: f64) -> Option<(f64, f64)> {
         let radii = self.radii + DVec3::splat(more);
         if radii.min_element() <= 0.0 {
@@ -86,8 +87,8 @@ impl Case {
     }
 }
 
-/// Ellipsoids whose half axes differ by up to `aspect`, up to 10³ of the longest away: from outside towards them and past,
-/// and from within.
+/// Ellipsoids whose half axes differ by up to `aspect`, up to 10³ of the longest away: from outside
+/// towards them and past, and from within.
 fn cases(aspect: f64, count: usize) -> Vec<Case> {
     let mut random = Random::new(92);
     let mut case = || {
@@ -130,7 +131,8 @@ const INTERSECT: Function<'_> = Function {
     features: &[],
 };
 
-/// In the sphere's space, by its intersection: what is divided by a short half axis loses as many digits.
+/// In the sphere's space, by its intersection: what is divided by a short half axis loses as many
+/// digits.
 const IN_SPHERES_SPACE: Function<'_> = Function {
     imports: "import package::core::ray_ellipsoid::rotate;
               import package::core::ray_sphere::intersect_sphere;",
@@ -143,8 +145,8 @@ const IN_SPHERES_SPACE: Function<'_> = Function {
     ..INTERSECT
 };
 
-/// How many cases are hit or missed that are not, met elsewhere than between the ellipsoid grown and shrunk by rounding, or
-/// at points that do not lie there; and how many of all were hit.
+/// How many cases are hit or missed that are not, met elsewhere than between the ellipsoid grown
+/// and shrunk by rounding, or at points that do not lie there; and how many of all were hit.
 fn mistakes(function: &Function<'_>, cases: &[Case]) -> (usize, usize) {
     let inputs: Vec<u32> = cases.iter().flat_map(Case::words).collect();
     let answers = call(context(), function, &inputs);
@@ -178,7 +180,8 @@ fn mistakes(function: &Function<'_>, cases: &[Case]) -> (usize, usize) {
     (wrong.count(), hits)
 }
 
-/// Also such as are flat as a disk or thin as a needle, where the intersection of spheres fails in their space.
+/// Also such as are flat as a disk or thin as a needle, where the intersection of spheres fails in
+/// their space.
 #[test]
 fn ellipsoids_are_met_where_they_are() {
     for aspect in [3.0, 1e4, 1e6, 1e8] {
@@ -200,8 +203,8 @@ fn special(origin: DVec3, direction: DVec3) -> Case {
     }
 }
 
-/// From the centre, from the surface inwards and outwards, along a tangent, past it, from far away: numbers are powers of two,
-/// so that all is exact.
+/// From the centre, from the surface inwards and outwards, along a tangent, past it, from far away:
+/// numbers are powers of two, so that all is exact.
 #[test]
 fn special_positions_of_ellipsoids_are_right() {
     let center = DVec3::new(0.5, 0.0, -1.0);
@@ -229,7 +232,8 @@ fn special_positions_of_ellipsoids_are_right() {
     }
 }
 
-/// Components of a unit vector are known to 4 U, and multiplied by what differs by the square of the aspect; turned, 16 U.
+/// Components of a unit vector are known to 4 U, and multiplied by what differs by the square of
+/// the aspect; turned, 16 U.
 #[test]
 fn normals_are_the_twins() {
     let function = Function {

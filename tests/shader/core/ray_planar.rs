@@ -67,11 +67,13 @@ fn random_cases(seed: u32, count: usize) -> Vec<Case> {
 
 /// How far coordinates and distance (in length) of a hit may be off.
 ///
-/// With R the largest distance of a vertex from the origin, M that of a projected one from the ray, A the projected
-/// area: axes are off by 52 U (see `ray`), so projections by 60 U R together with their own rounding. A parallelogram's
-/// corners, three projections together, are off by 180 U R; an edge function is off by twice that times 2M, the area, of
-/// differences of projections, by 480 U R M; in all below 1200 U R M/A for coordinates of at most 1, M ≤ R including the
-/// products' own rounding. The distance is off by that times the edges' extent along the ray, and by its own 20 U R.
+/// With R the largest distance of a vertex from the origin, M that of a projected one from the ray,
+/// A the projected area: axes are off by 52 U (see `ray`), so projections by 60 U R together with
+/// their own rounding. A parallelogram's corners, three projections together, are off by 180 U R;
+/// an edge function is off by twice that times 2M, the area, of differences of projections, by 480
+/// U R M; in all below 1200 U R M/A for coordinates of at most 1, M ≤ R including the products' own
+/// rounding. The distance is off by that times the edges' extent along the ray, and by its own 20 U
+/// R.
 fn bounds([origin, direction, a, b, c]: &Case) -> (f64, f64) {
     let d = direction.normalize();
     let corners = [*a, *b, *c, *b + *c - *a].map(|p| p - *origin);
@@ -138,7 +140,8 @@ fn disk_intersections_are_the_twins() {
     compare("disk", intersect_disk, |st| 1.0 - st.length());
 }
 
-/// Seen edge-on, without area, minute or huge, along an axis: finite, and within the primitive where it is met.
+/// Seen edge-on, without area, minute or huge, along an axis: finite, and within the primitive
+/// where it is met.
 #[test]
 fn degenerate_primitives_give_finite_hits() {
     let context = context();

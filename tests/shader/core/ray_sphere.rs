@@ -45,10 +45,11 @@ impl Case {
         words(&numbers.chain([self.radius]).collect::<Vec<_>>())
     }
 
-    /// Lengths by which the half chord's square and each root may be off, with D the distance of the centre: the dot
-    /// product and the quotient that make the closest point leave it 16 U D off, so its square l² 2 l · 16 U D, and r²
-    /// and l² are rounded (4 U each). A root that is a sum is off by 10 U of itself and by the half chord's error; the
-    /// other is (D² − r²)/q, off by 10 U of itself, by that root's relative error, and by 4 U (D² + r²)/q.
+    /// Lengths by which the half chord's square and each root may be off, with D the distance of
+    /// the centre: the dot product and the quotient that make the closest point leave it 16 U D
+    /// off, so its square l² 2 l · 16 U D, and r² and l² are rounded (4 U each). A root that is a
+    /// sum is off by 10 U of itself and by the half chord's error; the other is (D² − r²)/q, off by
+    /// 10 U of itself, by that root's relative error, and by 4 U (D² + r²)/q.
     fn bounds(&self) -> (f64, f64, [f64; 2]) {
         let d = self.ray.direction.normalize();
         let oc = self.center - self.ray.origin;
@@ -81,7 +82,8 @@ impl Case {
 fn cases() -> Vec<Case> {
     let mut random = Random::new(26);
     let mut cases = Vec::new();
-    // HARD CASES G8: spheres up to 10⁴ radii away, and origins within; around the silhouette and anywhere.
+    // HARD CASES G8: spheres up to 10⁴ radii away, and origins within; around the silhouette and
+    // anywhere.
     for _ in 0..100_000 {
         let radius = random.magnitude(1e-3, 1.0);
         let distance = radius * random.magnitude(1e-3, 1e4);
@@ -148,8 +150,8 @@ const TEXTBOOK: Function<'_> = Function {
     features: &[],
 };
 
-/// Spheres that are hit or missed though the exact discriminant is beyond rounding, and largest error of the nearer root in
-/// units of its bound.
+/// Spheres that are hit or missed though the exact discriminant is beyond rounding, and largest
+/// error of the nearer root in units of its bound.
 fn mistakes(function: &Function<'_>, cases: &[Case]) -> (f64, f64) {
     let inputs: Vec<u32> = cases.iter().flat_map(Case::words).collect();
     let answers = call(context(), function, &inputs);
@@ -213,8 +215,8 @@ fn distant_spheres_are_hit_where_they_are() {
     }
 }
 
-/// From the centre, from the surface inwards and outwards, along a tangent, from behind, a point: finite, and which
-/// roots exist and their signs as they should be.
+/// From the centre, from the surface inwards and outwards, along a tangent, from behind, a point:
+/// finite, and which roots exist and their signs as they should be.
 #[test]
 fn special_positions_of_spheres_are_right() {
     let context = context();

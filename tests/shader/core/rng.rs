@@ -128,13 +128,14 @@ fn consecutive(place: usize) -> Answers {
     draw(context(), &function, WORDS as usize)
 }
 
-/// A linear congruential generator that is seeded by the counter: HARD CASES A6 finds a correlation of 0.9977.
+/// A linear congruential generator that is seeded by the counter: HARD CASES A6 finds a correlation
+/// of 0.9977.
 fn seeded_by_counter(counter: u32) -> u32 {
     counter.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
 }
 
-/// Bits 8 to 31, those that `to_unit` takes. Below, pcg4d is weaker: with a counter in its third or fourth place, bit 0 of
-/// a word can be 1 three times out of four.
+/// Bits 8 to 31, those that `to_unit` takes. Below, pcg4d is weaker: with a counter in its third or
+/// fourth place, bit 0 of a word can be 1 three times out of four.
 #[test]
 fn every_bit_of_a_number_is_balanced() {
     // Half the words have the bit: variance ¼ each.
@@ -204,7 +205,8 @@ fn pairs_of_hashes_are_uniform() {
             accept(test(1.0), &what);
             reject_broken(&what, |twin| match twin {
                 BrokenTwin::PdfScaled => Some(test(1.02)),
-                // Uniform numbers have no measure but their own, and nothing here knows of lights or surfaces.
+                // Uniform numbers have no measure but their own, and nothing here knows of lights
+                // or surfaces.
                 BrokenTwin::WrongMeasure
                 | BrokenTwin::SwappedSinCos
                 | BrokenTwin::LightLeftOut

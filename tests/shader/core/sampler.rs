@@ -210,8 +210,8 @@ fn samples(id: &str, group: u32) -> Vec<Vec<f64>> {
     (0..4).map(word).collect()
 }
 
-/// Samples that differ by one in the pixel, the row, the sample (low and high word), the seed or the group have nothing
-/// to do with one another. The items are 1024 pixels times 1024 samples.
+/// Samples that differ by one in the pixel, the row, the sample (low and high word), the seed or
+/// the group have nothing to do with one another. The items are 1024 pixels times 1024 samples.
 #[test]
 fn neighbouring_samples_do_not_correlate() {
     let base = "item % 1024u, vec2u(item / 1024u, 0u), 33u";
@@ -264,7 +264,8 @@ fn neighbouring_samples_do_not_correlate() {
             pair(&what, way, &samples(base, group));
         }
     }
-    // Broken: the group is forgotten, so that it repeats the other's numbers; a hundredth of them is enough.
+    // Broken: the group is forgotten, so that it repeats the other's numbers; a hundredth of them
+    // is enough.
     let forgotten = samples(base, GROUP_FILM);
     let hundredth: Vec<f64> = groups[1][0]
         .iter()

@@ -46,8 +46,9 @@ fn integers_are_bit_identical() {
     }
 }
 
-/// The first 2^m points, and every later block of 2^m: each elementary interval of area 2^−m holds exactly one, for all
-/// its shapes 2^−k × 2^(k − m) (Sobol' 1967). Scrambling and shuffling keep that.
+/// The first 2^m points, and every later block of 2^m: each elementary interval of area 2^−m holds
+/// exactly one, for all its shapes 2^−k × 2^(k − m) (Sobol' 1967). Scrambling and shuffling keep
+/// that.
 #[test]
 fn every_block_is_a_net() {
     const BITS: u32 = 8;
@@ -71,7 +72,8 @@ fn every_block_is_a_net() {
     }
 }
 
-/// One point of many scramblings is uniform: what makes a scrambled sequence unbiased. A scrambling without a seed is not.
+/// One point of many scramblings is uniform: what makes a scrambled sequence unbiased. A scrambling
+/// without a seed is not.
 #[test]
 fn a_point_of_many_scramblings_is_uniform() {
     const CELLS: u32 = 15;

@@ -48,8 +48,9 @@ fn block(value: impl Fn(u32) -> f32) -> Vec<[f32; 3]> {
     (0..BLOCK_SAMPLES).map(rgb).collect()
 }
 
-/// Each step rounds the difference, its part and the new mean: n steps, 2 roundings of the largest sample each, as the
-/// worst case. The squares inherit the mean's error times twice the deviations, and 8 roundings of their own.
+/// Each step rounds the difference, its part and the new mean: n steps, 2 roundings of the largest
+/// sample each, as the worst case. The squares inherit the mean's error times twice the deviations,
+/// and 8 roundings of their own.
 fn assert_moments(answers: &Answers, item: usize, block: &[[f32; 3]], what: &str) {
     for channel in 0..3 {
         let expected = moments(block, channel);

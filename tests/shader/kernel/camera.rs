@@ -48,10 +48,11 @@ fn rays(context: &Context, prepared: &Prepared, points: &[[DVec2; 2]]) -> Vec<Ra
 
 /// The largest differences of origin and direction, each over its bound.
 ///
-/// The direction is a sum of three vectors, each rounded and scaled, divided by its length: 12 roundings of the longest sum,
-/// and 8 of the normalisation. A point of the lens is off by 4e-7 of the radius (see `disk.rs`) and 4 roundings, which the
-/// focus distance divides, with 6 more. The origin is the sum of the eye, which is rounded, of such a point, and of two
-/// vectors across an orthographic image with 4 roundings each.
+/// The direction is a sum of three vectors, each rounded and scaled, divided by its length: 12
+/// roundings of the longest sum, and 8 of the normalisation. A point of the lens is off by 4e-7 of
+/// the radius (see `disk.rs`) and 4 roundings, which the focus distance divides, with 6 more. The
+/// origin is the sum of the eye, which is rounded, of such a point, and of two vectors across an
+/// orthographic image with 4 roundings each.
 fn worst(rays: &[Ray], points: &[[DVec2; 2]], twin: &Prepared) -> [f64; 2] {
     let film = twin.film;
     let world = World::new(twin);
@@ -104,7 +105,8 @@ fn camera_rays_are_the_twins() {
     }
 }
 
-/// Every projection through every lens, and twins whose lens or focus is a little off, which are told from the shader.
+/// Every projection through every lens, and twins whose lens or focus is a little off, which are
+/// told from the shader.
 #[test]
 fn lenses_and_projections_are_the_twins() {
     let context = context();

@@ -31,7 +31,8 @@ fn surface(normal: DVec3) -> Surface {
     }
 }
 
-/// Rays go on from above the surface, and those that pass through from as far below it, with directions of unit length.
+/// Rays go on from above the surface, and those that pass through from as far below it, with
+/// directions of unit length.
 #[test]
 fn rays_go_on_as_the_twins() {
     let scene = scene("scenes/tests/mirror.toml");
@@ -77,8 +78,8 @@ fn rays_go_on_as_the_twins() {
     }
 }
 
-/// Light that no strategy but the camera's own ray finds has the weight 1 under each of them (HARD CASES M2): a lamp seen in a
-/// mirror, and a floor seen in two.
+/// Light that no strategy but the camera's own ray finds has the weight 1 under each of them (HARD
+/// CASES M2): a lamp seen in a mirror, and a floor seen in two.
 #[test]
 fn what_is_seen_in_mirrors_does_not_depend_on_the_strategy() {
     for name in ["mirror", "mirror_shows_direct_lighting", "glass_pane"] {

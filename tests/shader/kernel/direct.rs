@@ -1,4 +1,5 @@
-//! `shaders/kernel/direct.wesl`: which pixel an invocation works on. Its estimator is tested in `tests/render/`.
+//! `shaders/kernel/direct.wesl`: which pixel an invocation works on. Its estimator is tested in
+//! `tests/render/`.
 
 use crate::support::floor_pixel;
 use crate::support::shader::{Function, call_in};

@@ -46,8 +46,9 @@ fn film_points(context: &Context, prepared: &Prepared, numbers: &[DVec2]) -> Vec
 
 /// How far `found` is beyond what rounding explains, 0 where it is not.
 ///
-/// The quotient that places a number in its cell is off by 6 U, so that the answer lies between those of numbers as far away;
-/// what comes then has 30 roundings of its own, and ½ and the pixel are added, with one of the sum.
+/// The quotient that places a number in its cell is off by 6 U, so that the answer lies between
+/// those of numbers as far away; what comes then has 30 roundings of its own, and ½ and the pixel
+/// are added, with one of the sum.
 fn excess(prepared: &Prepared, u: f64, found: f64) -> f64 {
     let table = prepared.data.scene.filter.table();
     let distance = (2.0 * u - 1.0).abs();
@@ -141,7 +142,8 @@ fn positions_in_a_cell_are_the_twins() {
     let answers = call_in(context, &prepared, &function, &words(&inputs), items.len());
     for ([u, a, b], found) in items.iter().zip(answers.f64(0)) {
         let expected = sample_in_cell(*u, *a, *b);
-        // A sum and a product below, 9 U of the root and 5 U of the quotient; the root of 1 − u is exact in u.
+        // A sum and a product below, 9 U of the root and 5 U of the quotient; the root of 1 − u is
+        // exact in u.
         assert!(
             (found - expected).abs() <= 20.0 * U * expected,
             "u = {u}, {a} to {b}: {found:e}, not {expected:e}"
@@ -152,8 +154,8 @@ fn positions_in_a_cell_are_the_twins() {
     }
 }
 
-/// Against the filter itself, not against the table: the noise of a million samples is far above what the table
-/// leaves of it.
+/// Against the filter itself, not against the table: the noise of a million samples is far above
+/// what the table leaves of it.
 #[test]
 fn film_points_match_their_filter() {
     let context = context();

@@ -1,4 +1,5 @@
-//! `shaders/kernel/gbuffer.wesl` and `shaders/kernel/features.wesl`: images of both are in `tests/render/aov.rs`.
+//! `shaders/kernel/gbuffer.wesl` and `shaders/kernel/features.wesl`: images of both are in
+//! `tests/render/aov.rs`.
 
 use crate::support::shader::{Function, call_in};
 use crate::support::{context, floor_pixel, prepared};

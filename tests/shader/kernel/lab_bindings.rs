@@ -1,4 +1,5 @@
-//! `shaders/kernel/lab_bindings.wesl`: which random number goes where, and that a run does not depend on how it is cut.
+//! `shaders/kernel/lab_bindings.wesl`: which random number goes where, and that a run does not
+//! depend on how it is cut.
 
 use crate::support::context;
 use direkt::low_level::reference::core::rng::{pcg4d, to_unit};

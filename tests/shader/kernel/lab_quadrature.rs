@@ -1,4 +1,5 @@
-//! `shaders/kernel/lab_quadrature.wesl`: what rules give, exactly, and what random points give, in the mean.
+//! `shaders/kernel/lab_quadrature.wesl`: what rules give, exactly, and what random points give, in
+//! the mean.
 
 use crate::support::context;
 use crate::support::statistics::{accept, reject};
@@ -57,7 +58,8 @@ fn random_points_are_right_in_the_mean_and_two_percent_more_is_not() {
                         .iter()
                         .map(|(e, i)| scale * (e + i) / i - 1.0)
                         .collect();
-                    // What rounding may add is far below the spread of all but Sobol points of one dimension.
+                    // What rounding may add is far below the spread of all but Sobol points of one
+                    // dimension.
                     if (all.mean).abs() < case.allowance() {
                         return 1.0;
                     }

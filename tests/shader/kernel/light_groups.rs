@@ -15,7 +15,8 @@ const IMPORTS: &str = "import package::kernel::light_groups::{
     accumulate_light_groups, add_emitted, add_reflected, group_of_light, group_throughput, start_light_groups};
     import package::scene::bindings::light_group_means;";
 
-/// Means over samples of what was added; a sample that is taken again, or dropped, counts once or not at all.
+/// Means over samples of what was added; a sample that is taken again, or dropped, counts once or
+/// not at all.
 #[test]
 fn means_take_each_sample_once() {
     let function = Function {

@@ -1,10 +1,11 @@
-//! `shaders/kernel/loop_canary.wesl`. What it counts on this adapter is tested in `tests/doctor.rs`.
+//! `shaders/kernel/loop_canary.wesl`. What it counts on this adapter is tested in
+//! `tests/doctor.rs`.
 
 use crate::support::context;
 use crate::support::shader::{Function, call};
 
-/// The least budget known is 65,535 iterations of all loops of an invocation. What stays below it runs to its end, on
-/// every driver: the render's dispatches rest on this.
+/// The least budget known is 65,535 iterations of all loops of an invocation. What stays below it
+/// runs to its end, on every driver: the render's dispatches rest on this.
 #[test]
 fn loops_below_the_least_budget_run_to_their_end() {
     let function = Function {

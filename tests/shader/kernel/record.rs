@@ -14,7 +14,8 @@ const FILM: FilmSize = FilmSize {
     height: 65,
 };
 
-/// Mean and squares of every pixel, from records and from the film. [`TOLERANCE`] is that of a block of 256 samples.
+/// Mean and squares of every pixel, from records and from the film. [`TOLERANCE`] is that of a
+/// block of 256 samples.
 #[test]
 fn recorded_samples_make_the_film() {
     let context = context();
@@ -46,7 +47,8 @@ fn recorded_samples_make_the_film() {
     }
 }
 
-/// The radiance of a surface that does not emit is the sum of its parts, and what met nothing has none.
+/// The radiance of a surface that does not emit is the sum of its parts, and what met nothing has
+/// none.
 #[test]
 fn parts_add_up() {
     let context = context();

@@ -52,7 +52,8 @@ fn each_step_notes_its_own_part() {
     assert_eq!(met[1..], [NONE, NOT_TRACED]);
 }
 
-/// The first primitive is noted as it is; with those that follow and the ways between, all is told apart.
+/// The first primitive is noted as it is; with those that follow and the ways between, all is told
+/// apart.
 #[test]
 fn further_camera_rays_make_a_hash() {
     let met = |steps: &str| record(&format!("start_record(); {steps}")).1[1];

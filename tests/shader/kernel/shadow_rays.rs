@@ -25,8 +25,9 @@ const SAMPLERS: [Sampler; 4] = [
     Sampler::Sobol,
     Sampler::BlueNoise,
 ];
-/// Those whose pairs of dimensions have nothing to do with each other: within one of its grids `stratified` takes the odd
-/// columns of one pair together with the odd or with the even ones of another.
+/// Those whose pairs of dimensions have nothing to do with each other: within one of its grids
+/// `stratified` takes the odd columns of one pair together with the odd or with the even ones of
+/// another.
 const INDEPENDENT_PAIRS: [Sampler; 3] = [Sampler::Independent, Sampler::Sobol, Sampler::BlueNoise];
 /// Of f32 between ½ and 1.
 const ULP: f64 = 5.960_464_477_539_063e-8;
@@ -55,7 +56,8 @@ fn twin(prepared: &Prepared) -> (ShadowRays, Numbers) {
     (ShadowRays::new(prepared, numbers), numbers)
 }
 
-/// Words are the twin's, bit for bit; points up to rounding. With every pattern, sampler and selection.
+/// Words are the twin's, bit for bit; points up to rounding. With every pattern, sampler and
+/// selection.
 #[test]
 fn light_numbers_are_the_twins() {
     let context = context();
@@ -189,8 +191,8 @@ fn id(index: u64) -> SampleId {
     }
 }
 
-/// In one pixel each ray's place in its cell and its choices of light and texel are uniform and independent, so that every
-/// pixel converges.
+/// In one pixel each ray's place in its cell and its choices of light and texel are uniform and
+/// independent, so that every pixel converges.
 #[test]
 fn every_ray_is_uniform_in_every_pixel() {
     for sampler in INDEPENDENT_PAIRS {
@@ -224,8 +226,9 @@ fn every_ray_is_uniform_in_every_pixel() {
     }
 }
 
-/// Where every light has its own rays, those to two lights are independent, and each light's are as well distributed as
-/// the sampler can do: a replicate's 16 samples of 4 rays put one point in each of 8 × 8 cells.
+/// Where every light has its own rays, those to two lights are independent, and each light's are as
+/// well distributed as the sampler can do: a replicate's 16 samples of 4 rays put one point in each
+/// of 8 × 8 cells.
 #[test]
 fn lights_have_rays_of_their_own() {
     for pattern in [ShadowPattern::Random, ShadowPattern::Stratified] {

@@ -1,4 +1,5 @@
-//! One file per file of `shaders/lab/`; the structs of `types.wesl` are compared in `tests/layout.rs`.
+//! One file per file of `shaders/lab/`; the structs of `types.wesl` are compared in
+//! `tests/layout.rs`.
 
 mod circle;
 mod densities;

@@ -32,7 +32,8 @@ fn blocks_of_256_have_mean_and_spread_of_f64() {
             answers.f64(0).nth(at).unwrap(),
             answers.f64(1).nth(at).unwrap(),
         );
-        // 256 roundings of numbers below 101, and of products of deviations below 1 with an error of the mean.
+        // 256 roundings of numbers below 101, and of products of deviations below 1 with an error
+        // of the mean.
         let ulp = 101.0 * f64::from(f32::EPSILON);
         assert!((mean - due.mean).abs() < 256.0 * 0.5 * ulp);
         assert!((m2 - due.m2).abs() < 256.0 * 2.0 * ulp, "{m2} {}", due.m2);

@@ -32,7 +32,8 @@ fn bits(p: f64) -> u32 {
     (p as f32).to_bits()
 }
 
-/// What the host uploads per entry: threshold, alias, probability of the index itself and of the alias.
+/// What the host uploads per entry: threshold, alias, probability of the index itself and of the
+/// alias.
 fn entry_words(table: &AliasTable, index: u32) -> [u32; 4] {
     let entry = table.entries[index as usize];
     let p = |i: u32| bits(table.probability[i as usize]);
@@ -170,8 +171,8 @@ fn prefix_sums(weights: &[f64]) -> Vec<f32> {
     sums
 }
 
-/// HARD CASES S2: indices of weight zero over 2²⁴ words, 16 per invocation. The textbook's index is the first whose sum is
-/// not below the number.
+/// HARD CASES S2: indices of weight zero over 2²⁴ words, 16 per invocation. The textbook's index is
+/// the first whose sum is not below the number.
 #[test]
 fn weights_of_zero_are_never_chosen() {
     let context = context();

@@ -1,5 +1,5 @@
-//! `shaders/light/area_light.wesl`, as far as solid angles go; `light.rs` tests sampling by area, and both against their
-//! densities.
+//! `shaders/light/area_light.wesl`, as far as solid angles go; `light.rs` tests sampling by area,
+//! and both against their densities.
 
 use crate::support::every_kind::{constant_environment, every_kind, with_right_angles};
 use crate::support::random::{Random, numbers, rounded};
@@ -19,7 +19,8 @@ use direkt::low_level::reference::scene::fetch::World;
 use direkt::scene::{FilmSize, Geometry, LightSampling, LightSelection, Strategy};
 use glam::{DVec2, DVec3};
 
-/// Size of the coordinates over the shortest edge, or the radius: how much rounding the scene to f32 deforms a light.
+/// Size of the coordinates over the shortest edge, or the radius: how much rounding the scene to
+/// f32 deforms a light.
 fn deformation(geometry: &PrimitiveGeometry) -> f64 {
     match *geometry {
         PrimitiveGeometry::Triangle { a, u, v }
@@ -35,8 +36,8 @@ fn deformation(geometry: &PrimitiveGeometry) -> f64 {
     }
 }
 
-/// Solid angle of what is sampled: the light, or the box around a disk; of an ellipsoid one over the twin's density in the
-/// direction `wi`, which `ellipsoid.rs` holds to be one.
+/// Solid angle of what is sampled: the light, or the box around a disk; of an ellipsoid one over
+/// the twin's density in the direction `wi`, which `ellipsoid.rs` holds to be one.
 fn exact_solid_angle(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> f64 {
     match *geometry {
         PrimitiveGeometry::Triangle { a, u, v } => polygon_solid_angle(x, &[a, a + u, a + v]).abs(),
@@ -57,8 +58,9 @@ fn exact_solid_angle(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> f64 {
     }
 }
 
-/// Roundings by which the density in a direction changes when that is turned to the world and back: 8 each, times three for the
-/// third power of |M⁻¹ω|, which changes up to as many times as much as the half axes differ; 0 where the density is uniform.
+/// Roundings by which the density in a direction changes when that is turned to the world and back:
+/// 8 each, times three for the third power of |M⁻¹ω|, which changes up to as many times as much as
+/// the half axes differ; 0 where the density is uniform.
 fn turning_back(geometry: &PrimitiveGeometry) -> f64 {
     match geometry {
         PrimitiveGeometry::Ellipsoid { radii, .. } => {
@@ -68,9 +70,9 @@ fn turning_back(geometry: &PrimitiveGeometry) -> f64 {
     }
 }
 
-/// The density is 1 over the exact solid angle, and the direction the twin's: each up to a hundred roundings of the
-/// light as f32 deforms it, seen from its own size away or further. `pdf_area_light` of the direction is the same density,
-/// from wherever the light is seen.
+/// The density is 1 over the exact solid angle, and the direction the twin's: each up to a hundred
+/// roundings of the light as f32 deforms it, seen from its own size away or further.
+/// `pdf_area_light` of the direction is the same density, from wherever the light is seen.
 #[test]
 fn solid_angle_samples_are_the_twins() {
     let context = context();
@@ -152,8 +154,9 @@ fn solid_angle_samples_are_the_twins() {
     assert!(compared > 1000, "{compared}");
 }
 
-/// From within a sphere, in proportion to the cosine. Numbers that lead to within 11° of the horizon are left out: there
-/// the cosine, a root, loses digits; elsewhere 4·10⁻⁷ across (`sample_lambert`) turn a direction by 5 times that.
+/// From within a sphere, in proportion to the cosine. Numbers that lead to within 11° of the
+/// horizon are left out: there the cosine, a root, loses digits; elsewhere 4·10⁻⁷ across
+/// (`sample_lambert`) turn a direction by 5 times that.
 #[test]
 fn samples_from_within_a_sphere_are_the_twins() {
     let context = context();
@@ -221,8 +224,9 @@ fn samples_from_within_a_sphere_are_the_twins() {
     }
 }
 
-/// Over the solid angle of a sphere the radiance is constant, and over a small one the cosine nearly so: the variance
-/// of the irradiance of a sphere on the axis is π²(1 − c)⁴/3 with c = cosθ of the cone (HARD CASES, section E).
+/// Over the solid angle of a sphere the radiance is constant, and over a small one the cosine
+/// nearly so: the variance of the irradiance of a sphere on the axis is π²(1 − c)⁴/3 with c = cosθ
+/// of the cone (HARD CASES, section E).
 #[test]
 fn a_spheres_variance_is_the_exact_one() {
     let context = context();

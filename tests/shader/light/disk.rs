@@ -19,7 +19,8 @@ const SAMPLE: Function<'_> = Function {
     features: &[],
 };
 
-/// A point of the unit square goes where the twin puts it: rounding moves it by a few units of 2⁻²⁴.
+/// A point of the unit square goes where the twin puts it: rounding moves it by a few units of
+/// 2⁻²⁴.
 #[test]
 fn disk_area_samples_are_the_twins() {
     let context = context();
@@ -38,8 +39,8 @@ fn disk_area_samples_are_the_twins() {
     }
 }
 
-/// The map stretches by 4/π at most, times ½ of the square's scale, and the samples are off by 4e-7; where two wedges
-/// meet, the inverse is continuous.
+/// The map stretches by 4/π at most, times ½ of the square's scale, and the samples are off by
+/// 4e-7; where two wedges meet, the inverse is continuous.
 #[test]
 fn disk_area_samples_can_be_inverted() {
     let context = context();
@@ -123,7 +124,8 @@ fn disk_area_samples_match_pdf() {
         BrokenTwin::PdfScaled => Some(test(&|p| 1.02 * pdf(p))),
         // Uniform in radius and angle: the density per area is 1/(2πr).
         BrokenTwin::WrongMeasure => Some(test(&|p| 0.5 * pdf(p) / p.length().max(1e-9))),
-        // The others are about surfaces that reflect, and about choosing among lights and strategies.
+        // The others are about surfaces that reflect, and about choosing among lights and
+        // strategies.
         BrokenTwin::SwappedSinCos
         | BrokenTwin::LightLeftOut
         | BrokenTwin::MisWeights

@@ -56,8 +56,8 @@ struct Place {
     u: DVec2,
 }
 
-/// From far, from about its size away, from near its surface, from it, and from within; all numbers at the edges of [0, 1) and
-/// between.
+/// From far, from about its size away, from near its surface, from it, and from within; all numbers
+/// at the edges of [0, 1) and between.
 fn places(world: &World<'_>) -> Vec<Place> {
     let mut random = Random::new(95);
     let mut places = Vec::new();
@@ -111,12 +111,14 @@ fn sampled(prepared: &Prepared, places: &[Place]) -> Answers {
     call_in(context(), prepared, &function, &inputs, places.len())
 }
 
-/// 64 roundings of the coordinates: how well a place relative to a lamp, and a point of it, are known.
+/// 64 roundings of the coordinates: how well a place relative to a lamp, and a point of it, are
+/// known.
 fn rounding(e: &Ellipsoid, x: DVec3) -> f64 {
     64.0 * U * (e.center.length() + x.length() + e.longest)
 }
 
-/// Whether the ray from `x` in the direction `wi` meets the lamp whose half axes are longer by `more`.
+/// Whether the ray from `x` in the direction `wi` meets the lamp whose half axes are longer by
+/// `more`.
 fn is_met(e: &Ellipsoid, x: DVec3, wi: DVec3, more: f64) -> bool {
     let lengths = DVec3::from_array([0, 1, 2].map(|i| e.axes.col(i).length()));
     let axes = e.axes * DMat3::from_diagonal((lengths + DVec3::splat(more)) / lengths);
@@ -125,8 +127,8 @@ fn is_met(e: &Ellipsoid, x: DVec3, wi: DVec3, more: f64) -> bool {
     q.length() <= 1.0 || (q.dot(d) > 0.0 && (q - q.dot(d) * d).length() <= 1.0)
 }
 
-/// By how much, relative to it, one over the density in the direction `wi` changes when place and direction are moved by
-/// `rounding`; `None` where that changes the way of sampling.
+/// By how much, relative to it, one over the density in the direction `wi` changes when place and
+/// direction are moved by `rounding`; `None` where that changes the way of sampling.
 fn density_error(view: &EllipsoidView, wi: DVec3, rounding: f64) -> Option<f64> {
     let inverse = view.inverse_direction_density(wi)?;
     let distance = (view.x - view.ellipsoid.center).length();
@@ -146,8 +148,8 @@ fn density_error(view: &EllipsoidView, wi: DVec3, rounding: f64) -> Option<f64> 
     Some(2.0 * worst + 64.0 * U)
 }
 
-/// Every direction leads to the lamp, ends beside it on the side of the place, has the twin's density there, which is that of
-/// the evaluation, and the radiance over it.
+/// Every direction leads to the lamp, ends beside it on the side of the place, has the twin's
+/// density there, which is that of the evaluation, and the radiance over it.
 #[test]
 fn directions_lead_to_lamps_with_the_twins_density() {
     let prepared = lamps(LightSampling::SolidAngle);
@@ -256,7 +258,8 @@ fn points_by_area_are_the_twins() {
     );
 }
 
-/// The density per area is the twin's, and integrates to one: over the sphere, ∫ p(M q) |det M| |M⁻ᵀq| dω.
+/// The density per area is the twin's, and integrates to one: over the sphere, ∫ p(M q) |det M| |M⁻ᵀq|
+/// dω.
 #[test]
 fn densities_per_area_are_the_twins_and_integrate_to_one() {
     let function = Function {

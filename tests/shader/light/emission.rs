@@ -138,8 +138,8 @@ fn inputs(light: u32, count: usize, seed: u32) -> (Vec<(DVec2, u32)>, Vec<u32>) 
     (numbers, words)
 }
 
-/// A point of the square is divided and mapped with a few roundings, the disk's inverse with those of an arcus tangent; a
-/// texture's value changes by no more than 40 from there.
+/// A point of the square is divided and mapped with a few roundings, the disk's inverse with those
+/// of an arcus tangent; a texture's value changes by no more than 40 from there.
 #[test]
 fn emission_samples_are_the_twins() {
     let context = context();
@@ -236,7 +236,8 @@ fn emission_samples_follow_their_density() {
     }
 }
 
-/// What is dark is never chosen, and what shines always can be: the estimator divides by the density.
+/// What is dark is never chosen, and what shines always can be: the estimator divides by the
+/// density.
 #[test]
 fn points_that_shine_have_a_density() {
     for interpolation in [Interpolation::Linear, Interpolation::Nearest] {

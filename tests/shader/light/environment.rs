@@ -14,11 +14,13 @@ use direkt::low_level::reference::light::environment::{
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Off by: the root's argument 3 U and the root 9 U, that is 10.5 U; sine and cosine 5 U; a product.
+/// Off by: the root's argument 3 U and the root 9 U, that is 10.5 U; sine and cosine 5 U; a
+/// product.
 const DIRECTION: f64 = 17.0 * U;
 
-/// The angle's tangent is off by 10.5 U where it is a root (½ of it for the angle), the angle itself by 10 U, of which
-/// 1/π counts; the division of at most 1 by π adds 2 U, the sum with 1 another.
+/// The angle's tangent is off by 10.5 U where it is a root (½ of it for the angle), the angle
+/// itself by 10 U, of which 1/π counts; the division of at most 1 by π adds 2 U, the sum with 1
+/// another.
 const IMAGE: f64 = 8.0 * U;
 
 /// Difference of two azimuths, in turns, across the image's edge.
@@ -97,7 +99,8 @@ const HEIGHTS: [u32; 8] = [1, 2, 3, 8, 17, 1000, 3000, 4096];
 /// Relative: a division (5 U) and a sine (5 U on [0, π/4]), squared, and two products.
 const ROW_DEPTH: f64 = 22.0 * U;
 
-/// Relative: a division (5 U) and a sine (5 U on [0, π/4]; beyond, 4 U over √½) twice, and two products.
+/// Relative: a division (5 U) and a sine (5 U on [0, π/4]; beyond, 4 U over √½) twice, and two
+/// products.
 const ROW_HEIGHT: f64 = 23.0 * U;
 
 /// Every row of small maps, and the rows at the poles and the equator of large ones.
@@ -110,7 +113,8 @@ fn rows() -> Vec<(u32, u32)> {
     HEIGHTS.into_iter().flat_map(of).collect()
 }
 
-/// A cell's density times its solid angle is its probability: the integral of the density over the cell.
+/// A cell's density times its solid angle is its probability: the integral of the density over the
+/// cell.
 #[test]
 fn rows_and_densities_are_the_twins() {
     let context = context();
@@ -157,12 +161,14 @@ fn assert_in_cell(d: DVec3, cell: [u32; 2], grid: [u32; 2], u: DVec2, what: &str
     // The middle row of few may reach across the equator: there the depth is up to 2.
     let reach = if grid[1] < 4 { 2.0 } else { depth + U };
     assert_near(d.y, expected.y, DEPTH * reach + U, what);
-    // r² = depth (2 − depth), with the root's and the sines' error (DIRECTION) twice: at a pole relative, too.
+    // r² = depth (2 − depth), with the root's and the sines' error (DIRECTION) twice: at a pole
+    // relative, too.
     let (r, expected_r) = (d.x.hypot(d.z), expected.x.hypot(expected.z));
     let squared = expected_r * expected_r;
     let off = (2.0 * DEPTH + 2.0 * DIRECTION) * if grid[1] < 4 { 2.0 } else { squared };
     assert_near(r * r, squared, off, what);
-    // The column is a sum and a quotient (6 U of a turn), sine and cosine are off by 5 U each and a product.
+    // The column is a sum and a quotient (6 U of a turn), sine and cosine are off by 5 U each and a
+    // product.
     let across = d.x * expected.z - d.z * expected.x;
     let off_azimuth = (6.0 * TAU + 12.0) * U;
     assert!(
@@ -207,8 +213,8 @@ fn environment_cell_samples_are_the_twins() {
     }
 }
 
-/// A position less ½ is exact from ½ on, and below rounded by 2⁻²⁶ at most: the texels are the twin's, the blend is off
-/// by one more rounding.
+/// A position less ½ is exact from ½ on, and below rounded by 2⁻²⁶ at most: the texels are the
+/// twin's, the blend is off by one more rounding.
 #[test]
 fn bilinear_texels_are_the_twins() {
     let context = context();

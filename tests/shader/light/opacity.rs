@@ -10,8 +10,8 @@ use direkt::scene::environment::Interpolation;
 use direkt::scene::{Emission, Geometry, LightSelection, MaterialId, Opacity, Scene, Strategy};
 use glam::{DMat3, DVec3};
 
-/// The veil of a texture as a light, a disk and a triangle of the same material, a sphere of opacity 0.3 and a light
-/// without an opacity.
+/// The veil of a texture as a light, a disk and a triangle of the same material, a sphere of
+/// opacity 0.3 and a light without an opacity.
 fn lights() -> Scene {
     let mut scene = scene("scenes/tests/opacity_texture.toml");
     let material = scene

@@ -13,8 +13,8 @@ use direkt::low_level::reference::light::polygon::{
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Triangles and rectangles around the origin: high above the horizon, cut by it, around the zenith, edge-on, with an
-/// edge that passes under the zenith, and turned both ways.
+/// Triangles and rectangles around the origin: high above the horizon, cut by it, around the
+/// zenith, edge-on, with an edge that passes under the zenith, and turned both ways.
 fn polygons() -> Vec<Vec<DVec3>> {
     let v = DVec3::new;
     let square = |c: DVec3, a: DVec3, b: DVec3| vec![c - a - b, c + a - b, c + a + b, c - a + b];
@@ -73,8 +73,8 @@ fn sampled(context: &Context, polygons: &[Vec<DVec3>], points: &[DVec2]) -> Answ
     call(context, &function, &inputs)
 }
 
-/// The area is π times Lambert's factor. The difference of outer and inner arcs leaves of it an absolute error of a few
-/// dozen roundings of the unit disk.
+/// The area is π times Lambert's factor. The difference of outer and inner arcs leaves of it an
+/// absolute error of a few dozen roundings of the unit disk.
 #[test]
 fn areas_are_lamberts() {
     let context = context();
@@ -94,8 +94,8 @@ fn areas_are_lamberts() {
     }
 }
 
-/// Back in the unit square, a direction's azimuth is where it should be up to the error of the area before it, and all
-/// directions lie above the horizon.
+/// Back in the unit square, a direction's azimuth is where it should be up to the error of the area
+/// before it, and all directions lie above the horizon.
 #[test]
 fn directions_are_the_twins() {
     let context = context();
@@ -132,8 +132,8 @@ fn directions_are_the_twins() {
     assert!(compared > 10_000, "{compared}");
 }
 
-/// Directions go back to the unit square, by the area before their azimuth and their place between the arcs: uniform
-/// there, they have the density cosθ / area.
+/// Directions go back to the unit square, by the area before their azimuth and their place between
+/// the arcs: uniform there, they have the density cosθ / area.
 #[test]
 fn directions_match_pdf() {
     const DRAWN: u32 = 1 << 20;

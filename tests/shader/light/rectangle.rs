@@ -72,13 +72,14 @@ fn rectangle_area_samples_match_pdf() {
     statistics::accept(test(&pdf), &what);
     statistics::reject_broken(&what, |twin| match twin {
         BrokenTwin::PdfScaled => Some(test(&|p| 1.02 * pdf(p))),
-        // Uniform per solid angle from a point one edge's length above the centre: ∝ cosθ/d², normalised by the square's
-        // solid angle 4·asin(1/5).
+        // Uniform per solid angle from a point one edge's length above the centre: ∝ cosθ/d²,
+        // normalised by the square's solid angle 4·asin(1/5).
         BrokenTwin::WrongMeasure => Some(test(&|p| {
             let squared = 1.0 + (p - DVec2::splat(0.5)).length_squared();
             squared.powf(-1.5) / (4.0 * 0.2_f64.asin())
         })),
-        // The others are about surfaces that reflect, and about choosing among lights and strategies.
+        // The others are about surfaces that reflect, and about choosing among lights and
+        // strategies.
         BrokenTwin::SwappedSinCos
         | BrokenTwin::LightLeftOut
         | BrokenTwin::MisWeights

@@ -1,13 +1,13 @@
-//! Parallelograms and triangles seen from points where rounding is hardest on solid angles, and how far it may move what
-//! is made of them.
+//! Parallelograms and triangles seen from points where rounding is hardest on solid angles, and how
+//! far it may move what is made of them.
 
 use crate::support::random::{Random, numbers, rounded};
 use crate::support::rounding::U;
 use direkt::low_level::reference::exact::solid_angle::polygon_solid_angle;
 use glam::{DVec2, DVec3};
 
-/// The points a, a + u and a + v, and for a parallelogram a + u + v, seen from x. All are numbers of f32, edges beginning
-/// at a among them.
+/// The points a, a + u and a + v, and for a parallelogram a + u + v, seen from x. All are numbers
+/// of f32, edges beginning at a among them.
 #[derive(Debug, Clone, Copy)]
 pub struct Seen {
     pub kind: &'static str,
@@ -18,8 +18,8 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Edges of these lengths, the second turned off the first's normal by `shear`, seen from the point with coordinates
-    /// `foot` and `height`.
+    /// Edges of these lengths, the second turned off the first's normal by `shear`, seen from the
+    /// point with coordinates `foot` and `height`.
     pub fn new(
         kind: &'static str,
         axes: [DVec3; 3],
@@ -75,8 +75,8 @@ fn axes(random: &mut Random, turned: bool) -> [DVec3; 3] {
     [cos * x + sin * y, cos * y - sin * x, z]
 }
 
-/// Points above, beside edges, corners and the plane, at gaps of 10⁻¹ to 10⁻⁵; tiny ones of about 10⁻⁶ sr; slivers.
-/// Every other one parallel to the axes.
+/// Points above, beside edges, corners and the plane, at gaps of 10⁻¹ to 10⁻⁵; tiny ones of about
+/// 10⁻⁶ sr; slivers. Every other one parallel to the axes.
 pub fn hard_cases(seed: u32, shear: f64) -> Vec<Seen> {
     let mut random = Random::new(seed);
     let mut cases = Vec::new();
@@ -132,16 +132,18 @@ pub fn with_points(cases: &[Seen], seed: u32) -> Vec<(Seen, DVec2)> {
     (0..).zip(cases).flat_map(points).collect()
 }
 
-/// Roundings by which a coordinate in a rectangle's frame may be off, relative to the farthest corner: the scalar product
-/// (3) with an edge that was divided by its length (13). An angle as a fraction of 2π is off by fewer (11).
+/// Roundings by which a coordinate in a rectangle's frame may be off, relative to the farthest
+/// corner: the scalar product (3) with an edge that was divided by its length (13). An angle as a
+/// fraction of 2π is off by fewer (11).
 pub const OF_RECTANGLES: f64 = 16.0;
 
-/// The same of a direction in a triangle's plane, and of its angle at B: a triple product of differences (7) with a length
-/// (10), over the scalar product (3) of two cross products (3 each) of sums of differences (2 each); and a root (2).
+/// The same of a direction in a triangle's plane, and of its angle at B: a triple product of
+/// differences (7) with a length (10), over the scalar product (3) of two cross products (3 each)
+/// of sums of differences (2 each); and a root (2).
 pub const OF_TRIANGLES: f64 = 32.0;
 
-/// How far `f` is moved by so many roundings of the point relative to the farthest corner, of the edges relative to their
-/// lengths, and of both random numbers; along each axis.
+/// How far `f` is moved by so many roundings of the point relative to the farthest corner, of the
+/// edges relative to their lengths, and of both random numbers; along each axis.
 pub fn conditioning(
     f: impl Fn(&Seen, DVec2) -> DVec3,
     roundings: f64,

@@ -11,8 +11,8 @@ use direkt::low_level::reference::light::sphere::{
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// z = 1 − 2u is exact for multiples of 2⁻²⁴. r = 2√(u(1 − u)) has one product (½ U after the root) and a root (9 U);
-/// sine and cosine are off by 5 U, their product with r by U: 16 U in all.
+/// z = 1 − 2u is exact for multiples of 2⁻²⁴. r = 2√(u(1 − u)) has one product (½ U after the root)
+/// and a root (9 U); sine and cosine are off by 5 U, their product with r by U: 16 U in all.
 #[test]
 fn sphere_area_samples_are_the_twins() {
     let context = context();
@@ -99,8 +99,9 @@ fn sphere_area_samples_match_pdf() {
     });
 }
 
-/// Within, the root's argument is off by 24 U of the squared reach (differences, squares and sums), which the root turns
-/// into min(q/2√, √q); the sum adds 8 U of the reach. On the sphere, what leads out has no way through it.
+/// Within, the root's argument is off by 24 U of the squared reach (differences, squares and sums),
+/// which the root turns into min(q/2√, √q); the sum adds 8 U of the reach. On the sphere, what
+/// leads out has no way through it.
 #[test]
 fn distances_within_spheres_are_the_twins() {
     let context = context();

@@ -14,8 +14,9 @@ const FALLOFF: Function<'_> = Function {
     features: &[],
 };
 
-/// The argument of the square is off by a relative 3 U (a difference, the stored reciprocal and a product), its square
-/// by 7 U; where the argument is 1 or more, so is the rounded one but for that.
+/// The argument of the square is off by a relative 3 U (a difference, the stored reciprocal and a
+/// product), its square by 7 U; where the argument is 1 or more, so is the rounded one but for
+/// that.
 #[test]
 fn spot_falloff_is_the_twins() {
     let context = context();

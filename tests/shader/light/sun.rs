@@ -42,7 +42,8 @@ const IMPORTS: &str = "import package::core::frame::frame_from_normal;
     import package::light::sun::{pdf_sun, suns_radiance};
     import package::scene::fetch::fetch_light;";
 
-/// Directions of a cone of height k are off by a few roundings of a unit vector; densities by few of k.
+/// Directions of a cone of height k are off by a few roundings of a unit vector; densities by few
+/// of k.
 #[test]
 fn sun_samples_are_the_twins() {
     let context = context();

@@ -1,4 +1,5 @@
-//! `shaders/light/tree.wesl`: which light the tree chooses, how likely that was, and how likely any other would have been.
+//! `shaders/light/tree.wesl`: which light the tree chooses, how likely that was, and how likely any
+//! other would have been.
 
 use crate::support::every_kind::{constant_environment, every_kind};
 use crate::support::random::{Random, rounded};
@@ -112,8 +113,8 @@ fn words(places: &[(DVec3, DVec3)]) -> Vec<u32> {
     words.flatten().collect()
 }
 
-/// Bounds and importance of every child of every node. Importances differ by the rounding of differences of coordinates,
-/// relative to the distance.
+/// Bounds and importance of every child of every node. Importances differ by the rounding of
+/// differences of coordinates, relative to the distance.
 #[test]
 fn children_are_decoded_and_weighed_as_by_the_twin() {
     let context = context();
@@ -164,7 +165,8 @@ fn children_are_decoded_and_weighed_as_by_the_twin() {
             lit += usize::from(expected > 1e-20);
             let d = (child.center - x).length().max(child.radius);
             let full = child.intensity / (d * d);
-            // Relative to an importance with cosines 1, as a cosine near 0 has the rounding of one near 1.
+            // Relative to an importance with cosines 1, as a cosine near 0 has the rounding of one
+            // near 1.
             let error = (importance[i] - expected).abs() / full;
             let allowed = 1e-5 + 2e-6 / d;
             other += usize::from(error > allowed);

@@ -95,7 +95,8 @@ fn triangle_area_samples_match_pdf() {
         BrokenTwin::PdfScaled => Some(test(&|p| 1.02 * pdf(p))),
         // Uniform in s and in t/(1 − s): the density per area is 1/(1 − s).
         BrokenTwin::WrongMeasure => Some(test(&|p| inside(p, 1.0 / (1.0 - p.x).max(1e-9)))),
-        // The others are about surfaces that reflect, and about choosing among lights and strategies.
+        // The others are about surfaces that reflect, and about choosing among lights and
+        // strategies.
         BrokenTwin::SwappedSinCos
         | BrokenTwin::LightLeftOut
         | BrokenTwin::MisWeights

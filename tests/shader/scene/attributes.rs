@@ -10,7 +10,8 @@ use direkt::low_level::reference::scene::attributes::{
 use direkt::low_level::reference::scene::fetch::World;
 use glam::{DVec2, DVec3, DVec4};
 
-/// A triangle with vertex normals and texture coordinates, a point of it, a value of a normal map and a view.
+/// A triangle with vertex normals and texture coordinates, a point of it, a value of a normal map
+/// and a view.
 struct Case {
     normals: [DVec3; 3],
     st: DVec2,
@@ -106,8 +107,8 @@ fn answers(cases: &[Case]) -> Answers {
     call(context, &function, &words(&numbers))
 }
 
-/// Interpolation and offsets are sums of a dozen products of numbers up to the edges' lengths; dividing by a short sum of
-/// normals amplifies.
+/// Interpolation and offsets are sums of a dozen products of numbers up to the edges' lengths;
+/// dividing by a short sum of normals amplifies.
 #[test]
 fn normals_and_offsets_are_the_twins() {
     let cases = cases();
@@ -143,8 +144,8 @@ fn colours_are_the_twins() {
     }
 }
 
-/// The tangent is a difference of products over texture coordinates that span 0.05 or more; what of it lies along the
-/// normal is taken off again, and what the normal map says added up.
+/// The tangent is a difference of products over texture coordinates that span 0.05 or more; what of
+/// it lies along the normal is taken off again, and what the normal map says added up.
 #[test]
 fn mapped_normals_are_the_twins() {
     let cases = cases();
@@ -182,7 +183,8 @@ fn seen_normals_face_the_viewer() {
     }
 }
 
-/// Each texture of a material with two sets of texture coordinates is read with its own, behind vertex colours.
+/// Each texture of a material with two sets of texture coordinates is read with its own, behind
+/// vertex colours.
 #[test]
 fn textures_are_read_with_the_coordinates_of_their_set() {
     let prepared = super::prepared(crate::render::second_uvs::floor([false, true]));

@@ -1,5 +1,5 @@
-//! `shaders/scene/bindings.wesl`: what is bound is what the host has. Pixels and the mark of unfinished ones are
-//! written by renders; see `tests/render/`.
+//! `shaders/scene/bindings.wesl`: what is bound is what the host has. Pixels and the mark of
+//! unfinished ones are written by renders; see `tests/render/`.
 
 use super::prepared;
 use crate::support::context;
@@ -120,7 +120,8 @@ fn texels_are_the_maps() {
     }
 }
 
-/// What `explain` tells of memory: naming every field here makes a new one a mistake until it is counted.
+/// What `explain` tells of memory: naming every field here makes a new one a mistake until it is
+/// counted.
 #[test]
 fn buffers_are_as_large_as_is_told() {
     let context = context();

@@ -1,5 +1,5 @@
-//! `shaders/scene/opacity.wesl`: opacities are the twin's, crossings stop as often as they say and independently of each
-//! other, and a ray meets what it meets in whatever order.
+//! `shaders/scene/opacity.wesl`: opacities are the twin's, crossings stop as often as they say and
+//! independently of each other, and a ray meets what it meets in whatever order.
 
 use super::prepared;
 use crate::support::random::{Random, rounded};
@@ -71,8 +71,8 @@ fn textured() -> Prepared {
     prepared(scene)
 }
 
-/// Opacities over a primitive are as exact as the texture coordinates, which a texel's edge amplifies; a mask's edge lies
-/// within that.
+/// Opacities over a primitive are as exact as the texture coordinates, which a texel's edge
+/// amplifies; a mask's edge lies within that.
 #[test]
 fn opacities_are_the_twins() {
     let context = context();
@@ -239,8 +239,8 @@ fn independence(alpha: f64, a: &[bool], b: &[bool]) -> f64 {
     z_test(joint / n, 0.0, variance, 0.0).p_value
 }
 
-/// Rays of one sample, primitives that one ray meets, and the two crossings of a sphere. Rays that were numbered in their
-/// highest bits would not be: the first word of the hash shows it.
+/// Rays of one sample, primitives that one ray meets, and the two crossings of a sphere. Rays that
+/// were numbered in their highest bits would not be: the first word of the hash shows it.
 #[test]
 fn crossings_are_independent() {
     let first = (3, RAY_CAMERA, CROSSING_FIRST);
@@ -296,8 +296,8 @@ fn rays(twin: &Twin<'_>, count: u32) -> Vec<Ray> {
     rays.collect()
 }
 
-/// The nearest hit and any hit, on the GPU, by the twin's hierarchy and by every primitive in turn. A twin whose rays are
-/// stopped by every surface is found out.
+/// The nearest hit and any hit, on the GPU, by the twin's hierarchy and by every primitive in turn.
+/// A twin whose rays are stopped by every surface is found out.
 #[test]
 fn rays_are_stopped_alike_in_any_order() {
     let context = context();

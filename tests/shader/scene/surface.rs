@@ -77,8 +77,9 @@ fn view(geometry: &PrimitiveGeometry, primitive: u32, k: u32) -> View {
     }
 }
 
-/// Size of the coordinates, and the rounding of the normal: 8 roundings over the sine between the edges for what is
-/// planar, over the radius (of an ellipsoid, of curvature) for a point on the ray.
+/// Size of the coordinates, and the rounding of the normal: 8 roundings over the sine between the
+/// edges for what is planar, over the radius (of an ellipsoid, of curvature) for a point on the
+/// ray.
 fn size_and_normal_error(geometry: &PrimitiveGeometry, ray: &Ray, t: f64) -> (f64, f64) {
     match *geometry {
         PrimitiveGeometry::Triangle { a, u, v }
@@ -228,7 +229,8 @@ fn surfaces_are_the_twins_on_both_sides() {
     }
 }
 
-/// Every kind of material on triangles with vertex colours: what of it is a colour is multiplied by theirs.
+/// Every kind of material on triangles with vertex colours: what of it is a colour is multiplied by
+/// theirs.
 #[test]
 fn vertex_colours_are_factors_on_materials() {
     let context = context();
@@ -313,8 +315,8 @@ fn is_front(i: usize) -> bool {
     (i % 200).is_multiple_of(2)
 }
 
-/// To points above the plane the segment ends there; to points below the origin it runs level with the plane, up to the
-/// rounding of a dot product (3 U) and of a sum.
+/// To points above the plane the segment ends there; to points below the origin it runs level with
+/// the plane, up to the rounding of a dot product (3 U) and of a sum.
 #[test]
 fn shadow_rays_do_not_descend() {
     let context = context();

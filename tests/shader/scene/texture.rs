@@ -96,8 +96,8 @@ fn texels_beside_the_image_are_wrapped_like_the_twins() {
     }
 }
 
-/// Where a footprint begins may differ by a texel where rounding decides; what it weighs is the same: the point between the
-/// texels, as far as f32 tells points of `size` texels apart.
+/// Where a footprint begins may differ by a texel where rounding decides; what it weighs is the
+/// same: the point between the texels, as far as f32 tells points of `size` texels apart.
 #[test]
 fn footprints_are_the_twins() {
     let context = context();

@@ -1,4 +1,5 @@
-//! `shaders/scene/trace.wesl`: random rays against the twin's traversal and against every primitive in turn.
+//! `shaders/scene/trace.wesl`: random rays against the twin's traversal and against every primitive
+//! in turn.
 
 use super::prepared;
 use crate::support::every_kind::{constant_environment, every_kind};
@@ -58,8 +59,8 @@ fn brute_force(world: &World<'_>, ray: &Ray) -> Option<Hit> {
     hits.min_by(|a, b| a.t.total_cmp(&b.t))
 }
 
-/// Rounding of the ray parameter: positions are known to 16 roundings of the largest coordinates, and along the ray that
-/// is divided by the cosine at the surface.
+/// Rounding of the ray parameter: positions are known to 16 roundings of the largest coordinates,
+/// and along the ray that is divided by the cosine at the surface.
 fn t_bound(world: &World<'_>, ray: &Ray, hit: &Hit) -> f64 {
     let at = ray.origin + hit.t * ray.direction;
     let (normal, extent) = match world.primitives[hit.primitive as usize].geometry {
@@ -169,7 +170,8 @@ fn rays_through_spot_and_sun_meet_what_the_twin_meets() {
     check_scene("spot_and_sun.toml");
 }
 
-/// Rays that are not traced, as they enter no light's box, would have met none; and there are such rays.
+/// Rays that are not traced, as they enter no light's box, would have met none; and there are such
+/// rays.
 #[test]
 fn rays_that_meet_a_light_enter_its_box() {
     let context = context();

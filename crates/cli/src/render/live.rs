@@ -1,4 +1,5 @@
-//! A render in progress, shown elsewhere: in files that are written again and again, and in the viewer tev.
+//! A render in progress, shown elsewhere: in files that are written again and again, and in the
+//! viewer tev.
 
 use crate::outputs::OutputArguments;
 use direkt::error::{Error, GpuError, number};
@@ -20,7 +21,8 @@ const CHANNELS: [&str; 3] = ["R", "G", "B"];
 /// Where a render in progress is shown.
 #[derive(Debug, clap::Args)]
 pub struct LiveArguments {
-    /// Write the outputs again while rendering, every 2 seconds or as many as given; AOVs come at the end
+    /// Write the outputs again while rendering, every 2 seconds or as many as given; AOVs come at
+    /// the end
     #[arg(
         long,
         value_name = "SECONDS",
@@ -97,7 +99,8 @@ impl<'a> Live<'a> {
         Ok(())
     }
 
-    /// Writes the outputs. They are written again and at the end, so that a failure is a warning, and is told once.
+    /// Writes the outputs. They are written again and at the end, so that a failure is a warning,
+    /// and is told once.
     fn write(&mut self, film: &Film, samples: u64) {
         let attributes = [("spp", samples.to_string())];
         let mut is_writable = true;

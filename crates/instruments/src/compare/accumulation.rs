@@ -1,13 +1,14 @@
-//! The film of a render against the mean of the same samples, recorded one by one and summed in f64.
+//! The film of a render against the mean of the same samples, recorded one by one and summed in
+//! f64.
 
 use super::per_pixel::Accumulator;
 use direkt::low_level::render::Film;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Largest deviation of a pixel's mean, relative to its largest sample. Welford's mean over a block of 256 samples in
-/// f32 rounds twice per sample, each time by at most 2⁻²⁴ of the largest: 3·10⁻⁵ in the worst case, a hundredth of it
-/// as a rule.
+/// Largest deviation of a pixel's mean, relative to its largest sample. Welford's mean over a block
+/// of 256 samples in f32 rounds twice per sample, each time by at most 2⁻²⁴ of the largest: 3·10⁻⁵
+/// in the worst case, a hundredth of it as a rule.
 pub const TOLERANCE: f64 = 3e-5;
 
 /// How the film compares with its samples.
@@ -20,7 +21,8 @@ pub struct Accumulation {
 }
 
 impl Accumulation {
-    /// Compares `film` with the samples' sums in `recorded`; `largest` is each pixel's largest sample.
+    /// Compares `film` with the samples' sums in `recorded`; `largest` is each pixel's largest
+    /// sample.
     pub(super) fn new(film: &Film, recorded: &Accumulator, largest: &[DVec3]) -> Self {
         let pixels = film.pixels.iter().zip(&recorded.pixels).zip(largest);
         let deviations = pixels.map(|((film, sums), largest)| {

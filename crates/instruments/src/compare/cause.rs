@@ -4,12 +4,15 @@ use direkt::low_level::reference::Sample;
 
 /// Differences below this need no reason: a few hundred roundings of an f32.
 const UNREMARKABLE: f64 = 1e-4;
-/// Angle by which rounding turns a direction, or the surface under a point, in the normalised scene.
+/// Angle by which rounding turns a direction, or the surface under a point, in the normalised
+/// scene.
 const ROUNDING: f64 = 5e-7;
-/// How far rounding moves the decisions of a light tree, relative to the random words that are left: the distance to a near
-/// light is known to 10⁻⁵, and of the words the first decisions leave a part.
+/// How far rounding moves the decisions of a light tree, relative to the random words that are
+/// left: the distance to a near light is known to 10⁻⁵, and of the words the first decisions leave
+/// a part.
 const CHOICE_ROUNDING: f64 = 1e-3;
-/// A mechanism that predicts less than this part of a difference does not explain it: predictions are rough.
+/// A mechanism that predicts less than this part of a difference does not explain it: predictions
+/// are rough.
 const ROUGH: f64 = 1e-2;
 
 /// A way in which rounding grows.

@@ -1,7 +1,7 @@
 //! The GPU's samples against exact direct lighting at the very points that their camera rays meet.
 //!
-//! A sample minus the exact radiance along its camera ray has mean zero, whatever the pixel shows: the film's noise
-//! drops out, and no reference noise enters.
+//! A sample minus the exact radiance along its camera ray has mean zero, whatever the pixel shows:
+//! the film's noise drops out, and no reference noise enters.
 
 use super::per_pixel::ROUNDING;
 use super::{EXACT_FAMILY, radiance};

@@ -1,10 +1,12 @@
 //! The GPU estimator against the reference, on any scene.
 //!
-//! - [`per_sample`]: the same random numbers through both; the radiance of every sample, and what its rays met.
+//! - [`per_sample`]: the same random numbers through both; the radiance of every sample, and what
+//!   its rays met.
 //! - [`accumulation`]: the film that a render gives against the mean of its recorded samples.
 //! - [`per_pixel`]: other random numbers; is each pixel's mean the same?
 //! - [`whole_image`]: is the image's mean the same?
-//! - [`exact`]: where a scene allows it, the GPU's samples against exact direct lighting at the points that they see.
+//! - [`exact`]: where a scene allows it, the GPU's samples against exact direct lighting at the
+//!   points that they see.
 
 pub mod accumulation;
 mod cause;
@@ -134,12 +136,12 @@ impl Comparison {
     }
 }
 
-/// Compares `prepared` on `context` with the reference. `progress` is told after each sample index how many of
-/// [`Settings::samples`] are done.
+/// Compares `prepared` on `context` with the reference. `progress` is told after each sample index
+/// how many of [`Settings::samples`] are done.
 ///
 /// # Errors
-/// The reference lacks an effect of the scene, the scene has no exact answers where they are asked for, or the driver
-/// fails.
+/// The reference lacks an effect of the scene, the scene has no exact answers where they are asked
+/// for, or the driver fails.
 pub fn compare(
     context: &Context,
     prepared: &Prepared,
@@ -200,8 +202,9 @@ fn radiance(record: &SampleRecord) -> DVec3 {
     DVec3::from_array(record.radiance.map(f64::from))
 }
 
-/// Whether GPU and twin agree about what reached the surface: the same primitives, and light found by as many shadow
-/// rays. Samples to which no light came agree, whether or not one of them traced a shadow ray to find out.
+/// Whether GPU and twin agree about what reached the surface: the same primitives, and light found
+/// by as many shadow rays. Samples to which no light came agree, whether or not one of them traced
+/// a shadow ray to find out.
 fn flip(gpu: &SampleRecord, twin: &Sample) -> Option<per_sample::Flip> {
     use direkt::low_level::gpu::layout::{NONE, NOT_TRACED};
     use direkt::low_level::reference::BsdfRay;

@@ -1,9 +1,10 @@
 //! Means of pixels by independent random numbers, GPU against twin.
 //!
-//! Sample i of the GPU and sample i of the twin make a pair. If both estimate alike, the difference of a pair is
-//! symmetric about zero, whatever the distribution of radiance, and t = Σd/√Σd² is at least as unlikely to be large as
-//! [`stats::symmetric`](direkt::low_level::stats::symmetric) says: heavy tails raise no false alarm. For many well-behaved
-//! samples t is the z-score of the difference.
+//! Sample i of the GPU and sample i of the twin make a pair. If both estimate alike, the difference
+//! of a pair is symmetric about zero, whatever the distribution of radiance, and t = Σd/√Σd² is at
+//! least as unlikely to be large as [`stats::symmetric`](direkt::low_level::stats::symmetric) says:
+//! heavy tails raise no false alarm. For many well-behaved samples t is the z-score of the
+//! difference.
 
 use super::{PixelComparison, pixel_family, radiance};
 use direkt::low_level::gpu::layout::SampleRecord;
@@ -14,7 +15,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// How far rounding in f32 may move a mean, relative to it: the criterion for Monte Carlo means in f32.
+/// How far rounding in f32 may move a mean, relative to it: the criterion for Monte Carlo means in
+/// f32.
 pub const ROUNDING: f64 = 5e-6;
 /// Bins of the histogram of t, from −4 to 4; an odd number, so that zero lies within one.
 const BINS: usize = 17;

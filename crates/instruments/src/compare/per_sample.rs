@@ -1,11 +1,13 @@
-//! The same random numbers through GPU and twin: every sample must be the same, up to f32's rounding.
+//! The same random numbers through GPU and twin: every sample must be the same, up to f32's
+//! rounding.
 //!
-//! A sample's *difference* is |GPU − twin| / √(v² + 0.01·m²) in the worst channel, with v the larger of the two and m
-//! the mean of the image over pixels and channels: the same floor under small values as that of relMSE. It is there
-//! because rounding moves the point that a camera ray meets by about 2⁻²³ of the scene: a sample whose cosine at the
-//! light is 10⁻⁵ then has a relative error of 10⁻² in f32, however it is computed, and adds next to nothing to its
-//! pixel. How differences are distributed relative to the sample alone is reported as well. Fractions are of the samples
-//! that carry light: black ones agree too easily.
+//! A sample's *difference* is |GPU − twin| / √(v² + 0.01·m²) in the worst channel, with v the
+//! larger of the two and m the mean of the image over pixels and channels: the same floor under
+//! small values as that of relMSE. It is there because rounding moves the point that a camera ray
+//! meets by about 2⁻²³ of the scene: a sample whose cosine at the light is 10⁻⁵ then has a relative
+//! error of 10⁻² in f32, however it is computed, and adds next to nothing to its pixel. How
+//! differences are distributed relative to the sample alone is reported as well. Fractions are of
+//! the samples that carry light: black ones agree too easily.
 
 use super::per_pixel::Accumulator as Means;
 use super::{cause, flip, radiance};
@@ -17,17 +19,20 @@ use serde::Serialize;
 
 /// Most that a sample may differ.
 pub const TOLERANCE: f64 = 1e-3;
-/// Largest fraction of samples that may differ by more than [`TOLERANCE`] and by more than rounding the camera ray explains:
-/// narrow lobes and grazing angles amplify rounding without a bound, wherever it comes in.
+/// Largest fraction of samples that may differ by more than [`TOLERANCE`] and by more than rounding
+/// the camera ray explains: narrow lobes and grazing angles amplify rounding without a bound,
+/// wherever it comes in.
 pub const MAX_BEYOND: f64 = 1e-3;
-/// Largest fraction of samples whose rays may meet something else on the GPU: those that pass an edge within rounding.
-/// A sample of several shadow rays, or of several camera rays, counts as so many.
+/// Largest fraction of samples whose rays may meet something else on the GPU: those that pass an
+/// edge within rounding. A sample of several shadow rays, or of several camera rays, counts as so
+/// many.
 pub const MAX_FLIPS: f64 = 1e-4;
 /// Angle by which f32 turns a camera ray: four roundings of a direction, 2⁻²⁴ each.
 const RAY_ROUNDING: f64 = 4.0 / 16_777_216.0;
 /// What rounding does after the camera ray is at most so many times what turning the ray does.
 const FURTHER_ROUNDING: f64 = 4.0;
-/// Where a larger fraction of the samples differs it is not for rounding, and the twin is not asked again.
+/// Where a larger fraction of the samples differs it is not for rounding, and the twin is not asked
+/// again.
 const ASKED_AGAIN: f64 = 0.1;
 /// Differences relative to the sample alone below this are counted, not kept.
 const SUSPECT: f64 = 1e-5;
@@ -109,11 +114,12 @@ pub struct PerSample {
     pub within_1e_4: f64,
     /// By at most 10⁻³.
     pub within_1e_3: f64,
-    /// Fraction of the lit samples that differ by more, and by more than the reference does when its camera ray is turned
-    /// as far as f32 rounds it: fine textures and normal maps, narrow lobes and grazing angles amplify that.
+    /// Fraction of the lit samples that differ by more, and by more than the reference does when
+    /// its camera ray is turned as far as f32 rounds it: fine textures and normal maps, narrow
+    /// lobes and grazing angles amplify that.
     pub unexplained: f64,
-    /// Fractions of the lit samples' differences relative to the sample alone: exactly 0 first, then by decade, from below 10⁻⁸ to
-    /// 10⁻¹ and more.
+    /// Fractions of the lit samples' differences relative to the sample alone: exactly 0 first,
+    /// then by decade, from below 10⁻⁸ to 10⁻¹ and more.
     pub histogram: Vec<f64>,
     /// GPU samples that were not finite.
     pub not_finite: u64,
@@ -141,8 +147,8 @@ struct Suspect {
 }
 
 impl Suspect {
-    /// Whether rays met something else. Shadow rays that did but changed nothing to speak of did not: a light at the very
-    /// horizon is lit by rounding alone, and adds nothing.
+    /// Whether rays met something else. Shadow rays that did but changed nothing to speak of did
+    /// not: a light at the very horizon is lit by rounding alone, and adds nothing.
     fn is_flip(&self, floor: f64) -> bool {
         match self.flip {
             None => false,

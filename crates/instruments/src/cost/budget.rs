@@ -125,7 +125,8 @@ impl<'a, 's> Work<'a, 's> {
         }
     }
 
-    /// Renders one sample per pixel twice: the first run warms up, the second tells how fast each estimator is.
+    /// Renders one sample per pixel twice: the first run warms up, the second tells how fast each
+    /// estimator is.
     fn pilot(&mut self) -> Result<(), Interrupted> {
         for _ in 0..2 {
             for runner in self.runners.iter_mut().chain(&mut self.own) {
@@ -271,8 +272,8 @@ impl<'a, 's> Work<'a, 's> {
         }
     }
 
-    /// Images of one number of samples: as many as there have to be, and where the budget does not pay for twice that
-    /// number, as many as it pays for. Whether it does.
+    /// Images of one number of samples: as many as there have to be, and where the budget does not
+    /// pay for twice that number, as many as it pays for. Whether it does.
     fn count(
         &mut self,
         current: &mut [Replicates],

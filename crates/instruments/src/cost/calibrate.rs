@@ -1,10 +1,12 @@
 //! Do images know their own error? Many seeds, each image's reported error beside its actual one.
 //!
-//! The truth is the mean of all the images of one estimator: with x_k one of K images and x̄ their mean,
-//! (x_k − x̄)²·K/(K − 1) has the expectation of x_k's squared error. relMSE's denominators come from x̄.
+//! The truth is the mean of all the images of one estimator: with x_k one of K images and x̄ their
+//! mean, (x_k − x̄)²·K/(K − 1) has the expectation of x_k's squared error. relMSE's denominators
+//! come from x̄.
 //!
-//! Stopping at a target error stops rather where the error happens to be told too small. What this does to the reported
-//! error and to the image itself is measured by as many renders that stop by themselves, with other seeds.
+//! Stopping at a target error stops rather where the error happens to be told too small. What this
+//! does to the reported error and to the image itself is measured by as many renders that stop by
+//! themselves, with other seeds.
 
 use super::Progress;
 use super::estimator::{self, Estimator};
@@ -259,7 +261,8 @@ impl Truth {
         self.against(image) * self.images / (self.images - 1.0)
     }
 
-    /// relMSE of another image, with as many samples: the mean's own error, one K-th of it, is taken off.
+    /// relMSE of another image, with as many samples: the mean's own error, one K-th of it, is
+    /// taken off.
     fn of_other(&self, image: &[[f32; 3]]) -> f64 {
         self.against(image) * self.images / (self.images + 1.0)
     }
@@ -322,7 +325,8 @@ mod tests {
         let all = images(12);
         let (of_truth, other) = all.split_at(8);
         let truth = Truth::new(of_truth);
-        // relMSE = 0.01 · mean of r²/(r² + 0.01·mean(r)²); 3000 squares of normal numbers, eight images: 1 % is two sigma.
+        // relMSE = 0.01 · mean of r²/(r² + 0.01·mean(r)²); 3000 squares of normal numbers, eight
+        // images: 1 % is two sigma.
         let due = (0..1000).map(|i| ramp(i).powi(2) / (ramp(i).powi(2) + 0.01));
         let due = 0.01 * due.sum::<f64>() / 1000.0;
         let of = |error: &dyn Fn(&[[f32; 3]]) -> f64, images: &[Image]| {

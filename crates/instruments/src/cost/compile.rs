@@ -13,7 +13,8 @@ use direkt::scene::{EstimatorSettings, Sampler, Scene, Strategy};
 use std::sync::Arc;
 
 impl<'a> Work<'a, '_> {
-    /// Compiles the estimators that the scene can use, and that of the reference where it is `own_reference`.
+    /// Compiles the estimators that the scene can use, and that of the reference where it is
+    /// `own_reference`.
     pub(super) fn compile(
         &mut self,
         context: &'a Context,
@@ -84,8 +85,8 @@ impl<'a> Work<'a, '_> {
     }
 }
 
-/// The scene made ready for `estimator`, or why it is of no use there: `compiled` are those before, each after what it
-/// comes to.
+/// The scene made ready for `estimator`, or why it is of no use there: `compiled` are those before,
+/// each after what it comes to.
 fn usable(
     (scene, data): (&Scene, &Arc<SceneData>),
     estimator: Estimator,

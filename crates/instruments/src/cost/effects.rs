@@ -1,7 +1,8 @@
 //! What an estimator is compiled with: the effects that the scene calls for, and further ones.
 //!
-//! Effects compiled in without need change no bit of an image, so that the error at equal samples is equal and what differs is
-//! time. Both are measured: estimators that differ in nothing else have the same random numbers, and their images are compared.
+//! Effects compiled in without need change no bit of an image, so that the error at equal samples
+//! is equal and what differs is time. Both are measured: estimators that differ in nothing else
+//! have the same random numbers, and their images are compared.
 
 use super::interval::Interval;
 use direkt::low_level::effects::{Effect, Effects};
@@ -44,7 +45,8 @@ impl Compiled {
         effects.filter(|e| called_for.can_force(*e)).collect()
     }
 
-    /// Why it is no other than [`CalledFor`](Self::CalledFor) where `called_for` are called for; none where it is.
+    /// Why it is no other than [`CalledFor`](Self::CalledFor) where `called_for` are called for;
+    /// none where it is.
     pub fn why_not(self, called_for: &Effects) -> Option<String> {
         if self == Self::CalledFor || !self.without_need(called_for).is_empty() {
             return None;
@@ -76,7 +78,8 @@ impl Serialize for Compiled {
     }
 }
 
-/// What effects cost that are compiled in without need, against the same estimator with what the scene calls for.
+/// What effects cost that are compiled in without need, against the same estimator with what the
+/// scene calls for.
 #[derive(Debug, Clone, Serialize)]
 pub struct WithoutNeed {
     /// Index of that estimator.
@@ -88,7 +91,8 @@ pub struct WithoutNeed {
     pub agreement: Agreement,
     /// Time over its time, at the largest count.
     pub time_ratio: Interval,
-    /// Efficiency over its efficiency: 1/`time_ratio`, the errors being equal; none where the images differ.
+    /// Efficiency over its efficiency: 1/`time_ratio`, the errors being equal; none where the
+    /// images differ.
     pub efficiency_ratio: Option<Interval>,
     /// Compile time over its compile time; each was compiled once.
     pub compile_ratio: f64,

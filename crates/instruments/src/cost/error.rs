@@ -6,12 +6,13 @@
 //!     MSE    = mean (x − r)²              relMSE = mean (x − r)² / (r² + 0.01·mean(r)²)
 //! ```
 //!
-//! Where r was rendered, E(x − r)² = Var x + Var r, because the two are independent; Var r is estimated from two
-//! independent halves a and b of r = (a + b)/2 as (a − b)²/4, and subtracted.
+//! Where r was rendered, E(x − r)² = Var x + Var r, because the two are independent; Var r is
+//! estimated from two independent halves a and b of r = (a + b)/2 as (a − b)²/4, and subtracted.
 //!
-//! The intervals come from independent replicates (other seeds), pixel by pixel: how the squared errors of one pixel vary
-//! over the replicates, summed over pixels, which are independent of each other under all samplers but blue noise. For that
-//! one, tiles take the place of pixels ([`Sampler::independent_side`]).
+//! The intervals come from independent replicates (other seeds), pixel by pixel: how the squared
+//! errors of one pixel vary over the replicates, summed over pixels, which are independent of each
+//! other under all samplers but blue noise. For that one, tiles take the place of pixels
+//! ([`Sampler::independent_side`]).
 
 use super::interval::{Interval, student_95};
 use super::reference::Reference;
@@ -79,7 +80,8 @@ impl Errors {
         });
     }
 
-    /// The error of the images so far, `reference`'s own subtracted. There have to be two replicates.
+    /// The error of the images so far, `reference`'s own subtracted. There have to be two
+    /// replicates.
     pub fn finish(&self, reference: &Reference) -> MeasuredError {
         assert!(self.replicates > 1, "one replicate has no spread");
         let of = |k: usize| {
@@ -92,8 +94,9 @@ impl Errors {
         }
     }
 
-    /// The interval of error `k`. `own` is the reference's, with `own_error` its standard error: subtracting it adds this
-    /// much, and the reference's actual squared error, which all replicates share, as much again.
+    /// The interval of error `k`. `own` is the reference's, with `own_error` its standard error:
+    /// subtracting it adds this much, and the reference's actual squared error, which all
+    /// replicates share, as much again.
     fn interval(&self, k: usize, own: f64, own_error: f64) -> Interval {
         let r = f64::from(self.replicates);
         let (mut sum, mut variance, mut squares) = (0.0, 0.0, 0.0);
@@ -185,7 +188,8 @@ mod tests {
                 let inside = mse.low < expected(0.1) && expected(0.1) < mse.high;
                 covered += i32::from(inside);
             }
-            // 380 expected; the standard deviation is 4.4, and Satterthwaite's approximation errs to the safe side.
+            // 380 expected; the standard deviation is 4.4, and Satterthwaite's approximation errs
+            // to the safe side.
             assert!(covered > 362, "{sampler}: {covered} of {experiments}");
         }
     }

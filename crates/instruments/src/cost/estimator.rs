@@ -37,8 +37,8 @@ impl Estimator {
         }
     }
 
-    /// The estimator that `prepared`, made ready for this one, comes to: what makes no difference there is set to its
-    /// default.
+    /// The estimator that `prepared`, made ready for this one, comes to: what makes no difference
+    /// there is set to its default.
     pub fn effective(self, prepared: &Prepared) -> Self {
         let calls_for = |effect| prepared.effects.contains(effect);
         let mut settings = self.settings;
@@ -61,7 +61,8 @@ impl Estimator {
         Self { settings, ..self }
     }
 
-    /// Its name with light selection, shadow rays and their pattern, and effects, each where `told`.
+    /// Its name with light selection, shadow rays and their pattern, and effects, each where
+    /// `told`.
     fn name(&self, told: LabelParts) -> String {
         let mut name = format!("{} · {}", self.settings.strategy, self.settings.sampler);
         let mut tell = |told: bool, what: String| {
@@ -178,8 +179,8 @@ impl Choices {
     }
 }
 
-/// All combinations, each once. Strategies that say themselves how a point of a light is chosen are combined with the
-/// default alone. Those that differ in their effects alone follow one another.
+/// All combinations, each once. Strategies that say themselves how a point of a light is chosen are
+/// combined with the default alone. Those that differ in their effects alone follow one another.
 pub fn combinations(choices: &Choices) -> Vec<Estimator> {
     let mut all = vec![Estimator {
         settings: EstimatorSettings {

@@ -43,8 +43,9 @@ const LEAST_SIGMA: f64 = 1e-4;
 impl Line {
     /// The line through `points`; `None` below two different x.
     ///
-    /// Weights are 1/σ². The standard errors follow from σ, and where the points scatter about the line more than σ says
-    /// (a curve is no line), they grow with the scatter: by √(χ²/(n − 2)) (Birge 1932).
+    /// Weights are 1/σ². The standard errors follow from σ, and where the points scatter about the
+    /// line more than σ says (a curve is no line), they grow with the scatter: by √(χ²/(n − 2))
+    /// (Birge 1932).
     pub fn fit(points: &[FitPoint]) -> Option<Self> {
         let weight = |p: &FitPoint| p.sigma.max(LEAST_SIGMA).powi(-2);
         let sum =
@@ -81,8 +82,9 @@ impl Line {
         }
     }
 
-    /// e^x where the line reaches the logarithm `y`, with its interval to first order; `None` where the line does not
-    /// fall by more than two standard errors of its slope: then nothing tells when.
+    /// e^x where the line reaches the logarithm `y`, with its interval to first order; `None` where
+    /// the line does not fall by more than two standard errors of its slope: then nothing tells
+    /// when.
     pub fn reaches(&self, y: f64) -> Option<Interval> {
         if self.slope + 2.0 * self.slope_error >= 0.0 {
             return None;
@@ -128,7 +130,8 @@ mod tests {
         assert!(curve.slope_error > 20.0 * straight.slope_error);
     }
 
-    /// Slopes of synthetic errors with normal logarithms are within 1.96 standard errors as often as they should be.
+    /// Slopes of synthetic errors with normal logarithms are within 1.96 standard errors as often
+    /// as they should be.
     #[test]
     fn standard_errors_cover() {
         let mut stream = Stream::new(17);
@@ -142,7 +145,8 @@ mod tests {
             let line = Line::fit(&points).expect("eight points");
             covered += u32::from((line.slope + 1.5).abs() < 1.96 * line.slope_error);
         }
-        // At least 95 %, because the scatter only ever adds; four standard deviations of the count are 55.
+        // At least 95 %, because the scatter only ever adds; four standard deviations of the count
+        // are 55.
         assert!(covered >= 3745, "{covered} of {experiments}");
     }
 

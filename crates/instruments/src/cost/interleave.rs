@@ -1,8 +1,8 @@
 //! The estimators in turns.
 //!
-//! Estimators that differ in nothing but their effects are a *family*: they give the same image, so that they get the same random
-//! numbers, one after another, and their images are compared. Their errors are the same, and of their times the ratios
-//! are told in pairs.
+//! Estimators that differ in nothing but their effects are a *family*: they give the same image, so
+//! that they get the same random numbers, one after another, and their images are compared. Their
+//! errors are the same, and of their times the ratios are told in pairs.
 
 use super::budget::Work;
 use super::error::Errors;
@@ -43,7 +43,8 @@ impl Work<'_, '_> {
         self.runners.iter().map(of).collect()
     }
 
-    /// One image by every estimator; each turn begins with another family, and in it with another member.
+    /// One image by every estimator; each turn begins with another family, and in it with another
+    /// member.
     pub(super) fn turn(
         &mut self,
         current: &mut [Replicates],
@@ -60,7 +61,8 @@ impl Work<'_, '_> {
         Ok(())
     }
 
-    /// One image by every member, of the same random numbers: all or none, so that their times are in pairs.
+    /// One image by every member, of the same random numbers: all or none, so that their times are
+    /// in pairs.
     fn family_turn(
         &mut self,
         family: &[usize],

@@ -56,8 +56,9 @@ pub fn time_spread(groups: &[Vec<f64>]) -> (f64, f64) {
     ((m2 / f64::max(freedom, 1.0)).sqrt(), freedom)
 }
 
-/// Times over those of runs beside them, in pairs, at the largest number of samples: the ratio of their means, with how the
-/// logarithms of the ratios scatter there and at the three numbers before, whose runs are not much shorter.
+/// Times over those of runs beside them, in pairs, at the largest number of samples: the ratio of
+/// their means, with how the logarithms of the ratios scatter there and at the three numbers
+/// before, whose runs are not much shorter.
 pub fn time_ratio(times: &[Vec<f64>], others: &[Vec<f64>]) -> Interval {
     let pairs = times.iter().zip(others);
     let of_count = |(a, b): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
@@ -77,8 +78,8 @@ pub fn time_ratio(times: &[Vec<f64>], others: &[Vec<f64>]) -> Interval {
 }
 
 impl Point {
-    /// A point of `seconds` per run, whose logarithms have the standard deviation `spread.0` by `spread.1` degrees of
-    /// freedom.
+    /// A point of `seconds` per run, whose logarithms have the standard deviation `spread.0` by
+    /// `spread.1` degrees of freedom.
     pub fn new(samples: u64, seconds: &[f64], spread: (f64, f64), error: MeasuredError) -> Self {
         let n = seconds.len() as f64;
         let mean = seconds.iter().sum::<f64>() / n;
@@ -134,7 +135,8 @@ impl Lines {
         self.time.slope()
     }
 
-    /// When `target` is reached; `None` where the error does not fall, or where the time is not known to a factor of ten.
+    /// When `target` is reached; `None` where the error does not fall, or where the time is not
+    /// known to a factor of ten.
     pub fn reach(&self, target: f64) -> Option<Reached> {
         let reached = self.reach_by_line(target)?;
         (reached.seconds.high < 10.0 * reached.seconds.value).then_some(reached)
@@ -153,14 +155,15 @@ impl Lines {
 /// The place of an estimator among all.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Rank {
-    /// 1 plus the number of estimators that are better: whose whole interval lies above this one's, or the interval of whose
-    /// ratio to it, where times were measured in pairs, above 1.
+    /// 1 plus the number of estimators that are better: whose whole interval lies above this one's,
+    /// or the interval of whose ratio to it, where times were measured in pairs, above 1.
     pub rank: usize,
     /// Indices of those that are neither better nor worse.
     pub ties: Vec<usize>,
 }
 
-/// Ranks efficiencies. `ratio` of two indices is their ratio where it is known better than from the two intervals.
+/// Ranks efficiencies. `ratio` of two indices is their ratio where it is known better than from the
+/// two intervals.
 pub fn ranks(
     efficiencies: &[Interval],
     ratio: impl Fn(usize, usize) -> Option<Interval>,
@@ -293,7 +296,8 @@ mod tests {
         let times = logarithms.map(|l| l.iter().map(|l: &f64| l.exp()).collect::<Vec<_>>());
         let others = [(); 3].map(|()| vec![1.0; 2]);
         let scattered = time_ratio(&times, &others);
-        // Variance (0.02 + 0 + 0.02)/3, two pairs, Student's quantile of three degrees of freedom 3.1824.
+        // Variance (0.02 + 0 + 0.02)/3, two pairs, Student's quantile of three degrees of freedom
+        // 3.1824.
         let expected = 3.182_4 * (0.04_f64 / 3.0 / 2.0).sqrt();
         assert!(((scattered.high / scattered.value).ln() - expected).abs() < 1e-4);
         assert!((scattered.value - 0.1_f64.cosh()).abs() < 1e-12);

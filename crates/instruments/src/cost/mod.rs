@@ -1,9 +1,10 @@
 //! What accuracy costs in time: the error of every estimator against its time, on one scene.
 //!
-//! All estimators are compiled first. Then they take turns: two independent images (*replicates*, other seeds) of 1 sample
-//! per pixel each, then of 2, of 4 and so on, every run with random numbers of its own, until the budget does not pay for
-//! the next doubling; what is left of it goes into more replicates of the largest count. Because they take turns, a machine
-//! that slows down slows them all alike.
+//! All estimators are compiled first. Then they take turns: two independent images (*replicates*,
+//! other seeds) of 1 sample per pixel each, then of 2, of 4 and so on, every run with random
+//! numbers of its own, until the budget does not pay for the next doubling; what is left of it goes
+//! into more replicates of the largest count. Because they take turns, a machine that slows down
+//! slows them all alike.
 //!
 //! | measure | definition |
 //! |---|---|
@@ -113,9 +114,11 @@ pub struct EstimatorCost {
     /// The estimator.
     #[serde(flatten)]
     pub estimator: Estimator,
-    /// Why its images do not converge to direct lighting, so that its error does not fall to zero; none where they do.
+    /// Why its images do not converge to direct lighting, so that its error does not fall to zero;
+    /// none where they do.
     pub biased: Option<String>,
-    /// Seconds that compiling its kernel took once, the driver's part included, nothing kept from before.
+    /// Seconds that compiling its kernel took once, the driver's part included, nothing kept from
+    /// before.
     pub compile_seconds: f64,
     /// Seconds per sample of one pixel, at the largest count.
     pub seconds_per_sample: Interval,
@@ -132,11 +135,13 @@ pub struct EstimatorCost {
     /// Its place.
     #[serde(flatten)]
     pub rank: Rank,
-    /// When the target is reached, and ten times and a tenth of it; those that are not are left out.
+    /// When the target is reached, and ten times and a tenth of it; those that are not are left
+    /// out.
     pub reached: Vec<Reached>,
     /// Samples that were not finite and were dropped.
     pub dropped: u64,
-    /// An image of about the same time as the others'; none where measuring ended before it was rendered.
+    /// An image of about the same time as the others'; none where measuring ended before it was
+    /// rendered.
     pub equal_time: Option<EqualTime>,
     /// What the effects cost that are compiled in without need; none where there are none.
     pub without_need: Option<WithoutNeed>,
@@ -168,11 +173,13 @@ pub struct EqualTime {
 /// What is going on, and which part of the budget is used.
 pub type Progress<'p> = &'p mut dyn FnMut(&str, f64);
 
-/// Measures the estimators on `scene`. Once `stop` says so, it ends with what it has; with nothing where the least that a
-/// result takes, 1, 2 and 4 samples per pixel by every estimator, is not there yet.
+/// Measures the estimators on `scene`. Once `stop` says so, it ends with what it has; with nothing
+/// where the least that a result takes, 1, 2 and 4 samples per pixel by every estimator, is not
+/// there yet.
 ///
 /// # Errors
-/// The budget is too small for a result, the reference cannot be used, no estimator is applicable, or the driver fails.
+/// The budget is too small for a result, the reference cannot be used, no estimator is applicable,
+/// or the driver fails.
 pub fn measure(
     context: &Context,
     scene: &Scene,

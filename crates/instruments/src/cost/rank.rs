@@ -93,7 +93,8 @@ impl Work<'_, '_> {
         })
     }
 
-    /// What effects that are compiled in without need cost every estimator; none where there are none.
+    /// What effects that are compiled in without need cost every estimator; none where there are
+    /// none.
     fn without_need(&self, measured: &Measured) -> Vec<Option<WithoutNeed>> {
         let of = |(i, against): (usize, usize)| {
             let runner = &self.runners[i];

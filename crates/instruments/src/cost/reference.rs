@@ -94,7 +94,8 @@ impl Reference {
         reference
     }
 
-    /// What squared errors of a channel are multiplied with to be relative; `r` is the reference there.
+    /// What squared errors of a channel are multiplied with to be relative; `r` is the reference
+    /// there.
     pub fn weight(&self, r: f64) -> f64 {
         1.0 / (r * r + self.floor)
     }
@@ -110,7 +111,8 @@ impl Reference {
     }
 }
 
-/// The exact image that `scene` states, with its source: one value per pixel, or the mean of a single pixel.
+/// The exact image that `scene` states, with its source: one value per pixel, or the mean of a
+/// single pixel.
 pub fn stated(scene: &Scene) -> Option<(Reference, Source)> {
     let expect = scene.expect.as_ref()?;
     let mean = match &expect.radiance {
@@ -128,8 +130,8 @@ pub fn stated(scene: &Scene) -> Option<(Reference, Source)> {
 /// Reads the channels `R`, `G` and `B` of an EXR.
 ///
 /// # Errors
-/// The file cannot be read, is no EXR with these channels, has another size than `size`, or holds values that are not
-/// finite.
+/// The file cannot be read, is no EXR with these channels, has another size than `size`, or holds
+/// values that are not finite.
 pub fn from_file(path: &Path, size: FilmSize) -> Result<Reference, Error> {
     let wrong = |problem: String| {
         let expected = format!(

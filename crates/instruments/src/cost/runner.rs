@@ -45,7 +45,8 @@ pub struct Run {
     pub film: Film,
     /// Rays traced.
     pub rays: RayCounts,
-    /// Seconds between the first dispatch and the end of the last: neither compiling nor reading the image is in it.
+    /// Seconds between the first dispatch and the end of the last: neither compiling nor reading
+    /// the image is in it.
     pub seconds: f64,
     /// Passes over the image.
     pub passes: u64,
@@ -112,7 +113,8 @@ impl<'a> Runner<'a> {
         })
     }
 
-    /// Renders until the image's error is below `goal`, or the image counts as black, unless `stop` asks to end before.
+    /// Renders until the image's error is below `goal`, or the image counts as black, unless `stop`
+    /// asks to end before.
     ///
     /// # Errors
     /// It was stopped, or the driver fails.
@@ -144,7 +146,8 @@ impl<'a> Runner<'a> {
         })
     }
 
-    /// Renders with patterns for `planned` samples per pixel as long as `due` tells how many there are to be.
+    /// Renders with patterns for `planned` samples per pixel as long as `due` tells how many there
+    /// are to be.
     fn run_while(
         &mut self,
         seed: u32,
@@ -190,7 +193,8 @@ pub struct Replicates {
     pub errors: Errors,
 }
 
-/// `data` made ready for `estimator`, with the effects that it calls for; all else as `scene` says, which `data` was made of.
+/// `data` made ready for `estimator`, with the effects that it calls for; all else as `scene` says,
+/// which `data` was made of.
 ///
 /// # Errors
 /// It has too many lights for the estimator.

@@ -7,7 +7,8 @@ use resvg::{tiny_skia, usvg};
 /// Pixels per unit of a drawing.
 const SCALE: f32 = 2.0;
 
-/// A PNG of `svg` in light colours; its letters are those of the Ubuntu Font Family, which is compiled in.
+/// A PNG of `svg` in light colours; its letters are those of the Ubuntu Font Family, which is
+/// compiled in.
 ///
 /// # Errors
 /// The drawing cannot be drawn, which is direkt's own fault or that of memory.

@@ -2,7 +2,8 @@
 
 use super::text::superscript;
 
-/// Numbers of a logarithmic scale at most, one for each power of ten or for each second, third, … one.
+/// Numbers of a logarithmic scale at most, one for each power of ten or for each second, third, …
+/// one.
 const MAX_POWERS: i32 = 10;
 /// Numbers of a linear scale at most.
 const MAX_STEPS: f64 = 6.0;
@@ -37,8 +38,8 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// A logarithmic scale on which all positive finite `values` lie, with a little room, from the first of `pixels` to the
-    /// second.
+    /// A logarithmic scale on which all positive finite `values` lie, with a little room, from the
+    /// first of `pixels` to the second.
     pub fn logarithmic(values: impl Iterator<Item = f64>, pixels: (f64, f64)) -> Self {
         let logs = values.filter(|v| v.is_finite() && *v > 0.0).map(f64::log10);
         let (low, high) = range(logs).unwrap_or((-1.0, 0.0));
@@ -96,7 +97,8 @@ impl Scale {
         }
     }
 
-    /// Powers of ten, and their multiples 2 to 9, of which 2 and 5 have numbers where powers alone are too few to read values by.
+    /// Powers of ten, and their multiples 2 to 9, of which 2 and 5 have numbers where powers alone
+    /// are too few to read values by.
     fn powers(&self) -> Vec<Tick> {
         let powers = self.low.ceil() as i32..=self.high.floor() as i32;
         let count = powers.clone().count() as i32;

@@ -138,7 +138,8 @@ impl Svg {
         ));
     }
 
-    /// A mark at a point: `shape` 0 is a filled disk, 1 an open one, 2 a filled square, 3 an open one, 4 a cross.
+    /// A mark at a point: `shape` 0 is a filled disk, 1 an open one, 2 a filled square, 3 an open
+    /// one, 4 a cross.
     pub fn mark(&mut self, at: (f64, f64), shape: usize, series: usize) {
         let (x, y) = at;
         if shape == 4 {
@@ -223,7 +224,8 @@ impl Svg {
     }
 }
 
-/// `markup` with superscript characters, which few fonts have all of, as small characters above the line.
+/// `markup` with superscript characters, which few fonts have all of, as small characters above the
+/// line.
 fn raised(markup: &str, size: f64) -> String {
     let mut out = String::new();
     let mut up = false;

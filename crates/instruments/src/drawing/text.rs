@@ -1,6 +1,7 @@
 //! Numbers and markup as people and browsers read them.
 
-/// Text with the characters that mean something in HTML and XML replaced, and those that XML does not allow.
+/// Text with the characters that mean something in HTML and XML replaced, and those that XML does
+/// not allow.
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

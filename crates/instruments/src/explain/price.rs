@@ -1,9 +1,10 @@
 //! What each effect costs that is compiled in without need: compile time, and time per sample.
 //!
-//! The kernel that the scene calls for, kernels with one further effect each, and one with all that can be compiled in take
-//! turns. In every round each is compiled anew; then they render the same samples, one after the other, several times. Because
-//! they take turns, a machine that slows down slows them all alike, and each turn gives a ratio by itself. Effects that are
-//! ways of sampling cannot be forced, for they change the image's noise.
+//! The kernel that the scene calls for, kernels with one further effect each, and one with all that
+//! can be compiled in take turns. In every round each is compiled anew; then they render the same
+//! samples, one after the other, several times. Because they take turns, a machine that slows down
+//! slows them all alike, and each turn gives a ratio by itself. Effects that are ways of sampling
+//! cannot be forced, for they change the image's noise.
 
 use super::sample::Rays;
 use super::shader::ShaderSize;
@@ -84,8 +85,9 @@ struct Candidate<'a> {
     sample: Vec<f64>,
 }
 
-/// Measures what those of `effects` cost that can be forced and are not called for, for about `budget` seconds, compiling
-/// included, and three rounds at least. Once `stop` says so, it ends with the
+/// Measures what those of `effects` cost that can be forced and are not called for, for about
+/// `budget` seconds, compiling included, and three rounds at least. Once `stop` says so, it ends
+/// with the
 /// rounds that are finished; with nothing where none is.
 ///
 /// # Errors
@@ -200,7 +202,8 @@ impl Rounds<'_, '_> {
         }))
     }
 
-    /// Compiles every kernel once, then renders by all of them in turn for as long; each round begins with another kernel.
+    /// Compiles every kernel once, then renders by all of them in turn for as long; each round
+    /// begins with another kernel.
     fn round(&mut self, round: usize) -> Result<(), Interrupted> {
         let start = Instant::now();
         let count = self.candidates.len();
@@ -308,8 +311,8 @@ fn advance(
     Ok(())
 }
 
-/// The geometric mean of positive values with its 95 % interval, by Student's distribution of their logarithms; a single one
-/// bounds nothing.
+/// The geometric mean of positive values with its 95 % interval, by Student's distribution of their
+/// logarithms; a single one bounds nothing.
 fn geometric_mean(values: impl Iterator<Item = f64>) -> Interval {
     let logarithms: Moments = values.map(f64::ln).collect();
     let value = logarithms.mean.exp();
@@ -336,7 +339,8 @@ mod tests {
     fn means_are_of_ratios() {
         let mean = geometric_mean([2.0, 8.0].into_iter());
         assert!((mean.value - 4.0).abs() < 1e-12);
-        // The logarithms are ln 4 ∓ ln 2, the mean's standard error is ln 2, and Student's quantile 12.7062.
+        // The logarithms are ln 4 ∓ ln 2, the mean's standard error is ln 2, and Student's quantile
+        // 12.7062.
         assert!((mean.high / 4.0).ln() / 2.0_f64.ln() - 12.706_2 < 1e-3);
         assert!((mean.low * mean.high - 16.0).abs() < 1e-9);
         let one = geometric_mean([3.0].into_iter());

@@ -23,8 +23,8 @@ impl Rays {
     }
 }
 
-/// The most rays that a sample takes. A sample that meets nothing has one, and what a surface reflects nothing of is not
-/// traced.
+/// The most rays that a sample takes. A sample that meets nothing has one, and what a surface
+/// reflects nothing of is not traced.
 pub fn most_rays(prepared: &Prepared) -> Rays {
     let calls_for = |effect| prepared.effects.contains(effect);
     let sampled = calls_for(Effect::SampleLights);

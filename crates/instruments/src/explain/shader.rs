@@ -12,8 +12,8 @@ pub struct ShaderSize {
     pub wgsl_bytes: usize,
     /// Functions, the entry point among them.
     pub functions: usize,
-    /// Instructions of SPIR-V, declarations included, without the checks that wgpu adds and before any optimisation: what a
-    /// driver begins with.
+    /// Instructions of SPIR-V, declarations included, without the checks that wgpu adds and before
+    /// any optimisation: what a driver begins with.
     pub spirv_instructions: usize,
 }
 
@@ -41,8 +41,8 @@ impl ShaderSize {
     }
 }
 
-/// Instructions of a SPIR-V module: after a header of 5 words each begins with its length in the upper half of a word
-/// (SPIR-V 1.6, §2.3).
+/// Instructions of a SPIR-V module: after a header of 5 words each begins with its length in the
+/// upper half of a word (SPIR-V 1.6, §2.3).
 fn instructions(words: &[u32]) -> usize {
     let mut count = 0;
     let mut at = 5;

@@ -1,4 +1,5 @@
-//! Runs a kernel of the lab: any number of items, cut into dispatches, each item's block poisoned before.
+//! Runs a kernel of the lab: any number of items, cut into dispatches, each item's block poisoned
+//! before.
 
 use super::layout::{LabBlock, LabRun};
 use direkt::error::GpuError;
@@ -91,7 +92,8 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Runs `run.items` items, however many dispatches that takes; `table` is what the kernel calls `lab_table`.
+    /// Runs `run.items` items, however many dispatches that takes; `table` is what the kernel calls
+    /// `lab_table`.
     ///
     /// # Errors
     /// The driver fails, or left an item out.

@@ -140,7 +140,8 @@ impl Discrete {
         self.probability.iter().copied().fold(0.0, f64::max)
     }
 
-    /// What `shaders/kernel/lab_discrete.wesl` reads. `scale` multiplies the density that rejection compares with.
+    /// What `shaders/kernel/lab_discrete.wesl` reads. `scale` multiplies the density that rejection
+    /// compares with.
     pub fn table(&self, scale: f64) -> Vec<[u32; 4]> {
         let words = 4_294_967_296.0;
         let alias = AliasTable::new(&self.probability).expect("the probabilities are positive");
@@ -157,8 +158,8 @@ impl Discrete {
         entries.chain(parts).collect()
     }
 
-    /// Steps of the kernel's `variant`: comparisons of a linear and of a binary search, attempts of rejection, and the
-    /// one look-up of an alias table.
+    /// Steps of the kernel's `variant`: comparisons of a linear and of a binary search, attempts of
+    /// rejection, and the one look-up of an alias table.
     pub fn steps(&self, variant: usize) -> Steps {
         let weighted = |steps: &dyn Fn(usize) -> f64| {
             let terms = self.probability.iter().enumerate();

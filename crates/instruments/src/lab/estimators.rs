@@ -4,12 +4,13 @@
 //!     unbiased      E θ̂ₙ = θ for every n          consistent    θ̂ₙ → θ in probability as n → ∞
 //! ```
 //!
-//! Neither implies the other: the first sample alone is unbiased and never gets better; 1/mean is biased and converges;
-//! a fixed grid's error stays whatever n is; importance sampling by a density with too light tails is unbiased and
-//! converges, but slower than n^(−1/2), because its variance is infinite.
+//! Neither implies the other: the first sample alone is unbiased and never gets better; 1/mean is
+//! biased and converges; a fixed grid's error stays whatever n is; importance sampling by a density
+//! with too light tails is unbiased and converges, but slower than n^(−1/2), because its variance
+//! is infinite.
 //!
-//! Where it is not said otherwise, a sample is Y = 4x, x uniform on [0, 4], and θ = ∫₀⁴ x dx = 8. Exact values are in
-//! [`super::estimators_exact`].
+//! Where it is not said otherwise, a sample is Y = 4x, x uniform on [0, 4], and θ = ∫₀⁴ x dx = 8.
+//! Exact values are in [`super::estimators_exact`].
 
 use super::bench::Bench;
 use super::estimators_exact::{self as exact, Moments2};
@@ -63,9 +64,11 @@ pub struct Estimator {
     pub class: Class,
     /// What it estimates.
     pub target: f64,
-    /// Exact mean and variance of the estimate from n samples; the variance is infinite where it is.
+    /// Exact mean and variance of the estimate from n samples; the variance is infinite where it
+    /// is.
     pub moments: fn(u32) -> Moments2,
-    /// Fewest samples from which the estimate has a fourth moment, which the tests of mean and variance rest on.
+    /// Fewest samples from which the estimate has a fourth moment, which the tests of mean and
+    /// variance rest on.
     pub tested_from: u32,
     /// Why it belongs to its class.
     pub why: &'static str,
@@ -207,7 +210,8 @@ pub fn draw(
     Ok(blocks.iter().map(|b| f64::from(b.mean)).collect())
 }
 
-/// Checks of mean and variance of estimates from `samples` samples, where they have the moments for it.
+/// Checks of mean and variance of estimates from `samples` samples, where they have the moments for
+/// it.
 pub fn checks(estimator: &Estimator, samples: u32, estimates: &[f64]) -> Vec<Check> {
     if samples < estimator.tested_from {
         return Vec::new();
@@ -237,8 +241,8 @@ pub fn checks(estimator: &Estimator, samples: u32, estimates: &[f64]) -> Vec<Che
     vec![mean, check]
 }
 
-/// Checks of the estimator of infinite variance, by what does have moments: how often a sample is at most 1, and the mean
-/// of samples clamped to 10.
+/// Checks of the estimator of infinite variance, by what does have moments: how often a sample is
+/// at most 1, and the mean of samples clamped to 10.
 pub fn light_tail_checks(samples: &[f64]) -> [Check; 2] {
     let n = samples.len() as f64;
     let below = samples.iter().filter(|&&w| w <= 1.0).count() as f64 / n;

@@ -45,7 +45,8 @@ pub fn importance(n: u32) -> Moments2 {
     of(8.0, density.variance() / f64::from(n))
 }
 
-/// 1/mean of n values Y = 16u: A = n, B = ΣY, ψ(t) = (1 − e^(−16t))/(16t). Its variance is finite from n = 3 on.
+/// 1/mean of n values Y = 16u: A = n, B = ΣY, ψ(t) = (1 − e^(−16t))/(16t). Its variance is finite
+/// from n = 3 on.
 pub fn reciprocal(n: u32) -> Moments2 {
     let count = f64::from(n);
     // With s = 16t the n-th power of (1 − e^−s)/s.
@@ -107,7 +108,8 @@ pub fn maximum(n: u32) -> Moments2 {
     )
 }
 
-/// Σ(Y − mean)²/n: (n − 1)/n times the unbiased one, whose variance is V²(κ − (n−3)/(n−1))/n with κ = 9/5.
+/// Σ(Y − mean)²/n: (n − 1)/n times the unbiased one, whose variance is V²(κ − (n−3)/(n−1))/n with κ =
+/// 9/5.
 pub fn spread(n: u32) -> Moments2 {
     let n = f64::from(n);
     let factor = (n - 1.0) / n;
@@ -178,7 +180,8 @@ mod tests {
 
     #[test]
     fn the_reciprocal_of_two_is_the_closed_form() {
-        // E[2/(Y₁ + Y₂)] with Y = 16u: (1/8)·E[1/(u₁ + u₂)] = (1/8)·2 ln 2. The tail of the second moment diverges.
+        // E[2/(Y₁ + Y₂)] with Y = 16u: (1/8)·E[1/(u₁ + u₂)] = (1/8)·2 ln 2. The tail of the second
+        // moment diverges.
         let found = reciprocal(2).mean;
         assert!((found - 0.25 * 2_f64.ln()).abs() < 1e-9, "{found}");
     }
@@ -188,7 +191,8 @@ mod tests {
         // n = 1: the weight cancels; E[4x] = ∫ 4x(6 − x)/16 dx = 20/3, and n = 1 needs no ψ.
         let found = normalised(1).mean;
         assert!((found - 20.0 / 3.0).abs() < 1e-6, "{found}");
-        // The delta method: θ(V[b]/β² − C[a, b]/(αβ))/n, with E a = 32, E b = 4, E b² = 16 ln 3, E ab = 64(6 ln 3 − 4).
+        // The delta method: θ(V[b]/β² − C[a, b]/(αβ))/n, with E a = 32, E b = 4, E b² = 16 ln 3, E
+        // ab = 64(6 ln 3 − 4).
         let ln3 = 3_f64.ln();
         let bias = 8.0 * (ln3 - (6.0 * ln3 - 4.0) * 64.0 / 128.0) / 4096.0;
         let found = normalised(4096);

@@ -135,7 +135,8 @@ pub fn draw(
 pub fn checks(row: &Row, found: &Moments) -> [Check; 2] {
     let n = found.count as f64;
     let variance = row.density.variance();
-    // x, p and x/p are rounded, and 256 means in turn: in f32 up to some 30 units of the last place of 16.
+    // x, p and x/p are rounded, and 256 means in turn: in f32 up to some 30 units of the last place
+    // of 16.
     let allowance = 30.0 * f64::from(f32::EPSILON) * INTEGRAL;
     [
         Check::mean(

@@ -1,4 +1,5 @@
-//! One integral by one method with one number of points, on the GPU: what [`quadrature`](super::quadrature) is made of.
+//! One integral by one method with one number of points, on the GPU: what
+//! [`quadrature`](super::quadrature) is made of.
 
 use super::Settings;
 use super::bench::Bench;
@@ -115,8 +116,9 @@ impl Case {
         corner(seed, index)[..self.dimensions as usize].to_vec()
     }
 
-    /// What f32 may add, relative to a sum of positive terms: 16 additions, and per term an exponential (WGSL grants
-    /// 3 + 2|x| ulp), coordinates, weights and constants. Half of `f32::EPSILON` is one rounding.
+    /// What f32 may add, relative to a sum of positive terms: 16 additions, and per term an
+    /// exponential (WGSL grants 3 + 2|x| ulp), coordinates, weights and constants. Half of
+    /// `f32::EPSILON` is one rounding.
     pub fn allowance(&self) -> f64 {
         (21.0 + 16.0 * f64::from(self.dimensions)) * 0.5 * f64::from(f32::EPSILON)
     }
@@ -231,8 +233,8 @@ impl Measured {
     }
 }
 
-/// The cases whose slope is measured: those that are affordable and whose error is above rounding; of a smooth integrand
-/// the four largest, because the theory's power is that of the limit.
+/// The cases whose slope is measured: those that are affordable and whose error is above rounding;
+/// of a smooth integrand the four largest, because the theory's power is that of the limit.
 pub fn ladder(integrand: Integrand, method: Method, dimensions: u32) -> Vec<Case> {
     let case = |size| Case {
         integrand,
@@ -295,7 +297,8 @@ mod tests {
                     .collect();
                 let theory = Method::Rule(rule).theory(Integrand::Smooth, s);
                 let found = slope(&points);
-                // The next term of the error is a relative t²/10 or less, t = 1/2 at most, and s² times so in s dimensions.
+                // The next term of the error is a relative t²/10 or less, t = 1/2 at most, and s²
+                // times so in s dimensions.
                 assert!((found / theory - 1.0).abs() < 0.1, "{rule:?} {s}: {found}");
             }
         }

@@ -1,10 +1,11 @@
-//! Structs shared with the lab's kernels. `tests/layout.rs` compares every member with `shaders/lab/types.wesl`.
+//! Structs shared with the lab's kernels. `tests/layout.rs` compares every member with
+//! `shaders/lab/types.wesl`.
 
 use bytemuck::{Pod, Zeroable};
 use direkt::low_level::stats::moments::Moments;
 
-/// `LabRun` of `shaders/lab/types.wesl`: what one dispatch does. Each kernel says what `variant`, `size` and `constants`
-/// mean to it.
+/// `LabRun` of `shaders/lab/types.wesl`: what one dispatch does. Each kernel says what `variant`,
+/// `size` and `constants` mean to it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct LabRun {

@@ -1,5 +1,5 @@
-//! Experiments of a lecture on Monte Carlo integration, in one dimension and a few: drawn on the GPU, by
-//! `shaders/kernel/lab_*.wesl`, and held against exact values in f64.
+//! Experiments of a lecture on Monte Carlo integration, in one dimension and a few: drawn on the
+//! GPU, by `shaders/kernel/lab_*.wesl`, and held against exact values in f64.
 //!
 //! | experiment | what it shows |
 //! |---|---|
@@ -9,8 +9,8 @@
 //! | [`quadrature`] | rules against random and low-discrepancy points in 1 to 6 dimensions: orders |
 //! | [`estimators`] | unbiased, biased, consistent or neither, of infinite variance: bias and variance |
 //!
-//! Each declares its [`report::Check`]s before it draws; they are one family of tests whose level is
-//! [`FAMILY_LEVEL`](direkt::low_level::stats::sidak::FAMILY_LEVEL).
+//! Each declares its [`report::Check`]s before it draws; they are one family of tests whose level
+//! is [`FAMILY_LEVEL`](direkt::low_level::stats::sidak::FAMILY_LEVEL).
 
 pub mod bench;
 pub mod densities;
@@ -68,8 +68,8 @@ pub struct Settings {
     pub samples: u32,
     /// Seed of the random numbers.
     pub seed: u32,
-    /// What every density is multiplied by where samples are divided by it (and quadrature weights divided by): 1.
-    /// Anything else is a mistake that the checks have to find.
+    /// What every density is multiplied by where samples are divided by it (and quadrature weights
+    /// divided by): 1. Anything else is a mistake that the checks have to find.
     pub density_scale: f64,
 }
 
@@ -151,8 +151,8 @@ fn slope(points: &[(f64, f64)]) -> f64 {
     xy / xx
 }
 
-/// Root mean squared error of the mean of n samples, over all disjoint runs of n that the blocks have, for n = 256, 512,
-/// 1024, … as long as there are 16 runs.
+/// Root mean squared error of the mean of n samples, over all disjoint runs of n that the blocks
+/// have, for n = 256, 512, 1024, … as long as there are 16 runs.
 fn rms_errors(blocks: &[LabBlock], truth: f64) -> Vec<(f64, f64)> {
     let mut out = Vec::new();
     let mut size = 1;

@@ -5,8 +5,9 @@
 //!     4·√(1 − x²)        mean π, variance 32/3 − π² = 0.797, one random number
 //! ```
 //!
-//! The second integrates over y exactly, which cannot raise the variance (Rao & Blackwell). Efficiency is 1/(V·T) with
-//! T the random numbers of a sample. Rejection itself keeps π/4 of its points.
+//! The second integrates over y exactly, which cannot raise the variance (Rao & Blackwell).
+//! Efficiency is 1/(V·T) with T the random numbers of a sample. Rejection itself keeps π/4 of its
+//! points.
 
 use super::bench::{Bench, Outcome};
 use super::layout::{LabRun, merged};
@@ -173,7 +174,8 @@ fn checks(method: &Method, found: &Moments) -> [Check; 2] {
     ]
 }
 
-/// Points of the quarter circle found by rejection: attempts until one is kept are geometric with p = π/4.
+/// Points of the quarter circle found by rejection: attempts until one is kept are geometric with p =
+/// π/4.
 fn rejection(bench: &Bench<'_>, settings: &Settings, report: &mut Report) -> Result<(), GpuError> {
     let blocks = draw(bench, settings, 2)?.blocks;
     let kept = merged(&blocks);

@@ -1,13 +1,15 @@
-//! Quadrature rules against Monte Carlo and quasi-Monte Carlo, in 1 to 6 dimensions: measured orders beside theory.
+//! Quadrature rules against Monte Carlo and quasi-Monte Carlo, in 1 to 6 dimensions: measured
+//! orders beside theory.
 //!
-//! A rule with n = m^s panels errs by n^(−r/s) in s dimensions for a smooth integrand, by n^(−1/s) for one that jumps
-//! across an axis; independent random points by n^(−1/2) in every dimension, so they win from s > 2r on, or s > 2.
-//! Scrambled Sobol points are `shaders/core/sobol.wesl`'s pairs: n^(−3/2) for smooth integrands in one and two
-//! dimensions (Owen 1997), but pairs are independent of each other, so from three dimensions on n^(−1/2) again, with a
-//! smaller constant. Roberts's R sequence with a random shift falls about as n^(−1) in all of them, up to logarithms.
+//! A rule with n = m^s panels errs by n^(−r/s) in s dimensions for a smooth integrand, by n^(−1/s)
+//! for one that jumps across an axis; independent random points by n^(−1/2) in every dimension, so
+//! they win from s > 2r on, or s > 2. Scrambled Sobol points are `shaders/core/sobol.wesl`'s pairs:
+//! n^(−3/2) for smooth integrands in one and two dimensions (Owen 1997), but pairs are independent
+//! of each other, so from three dimensions on n^(−1/2) again, with a smaller constant. Roberts's R
+//! sequence with a random shift falls about as n^(−1) in all of them, up to logarithms.
 //!
-//! Errors are root mean squares: over boxes for rules, over boxes and randomisations for points. What a rule gives is
-//! compared with its closed form in [`super::rules`].
+//! Errors are root mean squares: over boxes for rules, over boxes and randomisations for points.
+//! What a rule gives is compared with its closed form in [`super::rules`].
 
 use super::bench::Bench;
 use super::integral::{Case, DIMENSIONS, Measured, Method, ladder};
@@ -100,8 +102,8 @@ impl Row {
         checks
     }
 
-    /// The slope of independent points is −½ exactly. ln of a mean of R squares of kurtosis k has variance
-    /// v = (k − 1)/R and mean −v/2, to first order.
+    /// The slope of independent points is −½ exactly. ln of a mean of R squares of kurtosis k has
+    /// variance v = (k − 1)/R and mean −v/2, to first order.
     fn slope_check(&self, name: String, seed: u32) -> Check {
         let logs: Vec<f64> = self.ladder.iter().map(|m| m.case.n().ln()).collect();
         let mean = logs.iter().sum::<f64>() / logs.len() as f64;
@@ -260,8 +262,8 @@ fn with_row(mut plots: Vec<Plot>, what: &str, row: &Row) -> Vec<Plot> {
     plots
 }
 
-/// The lecture's error formulas in one dimension: f″ averages 4 over [0, 1], and a jump costs 1/(n√12) in the root mean
-/// square, the deviation of a uniform number of width 1/n.
+/// The lecture's error formulas in one dimension: f″ averages 4 over [0, 1], and a jump costs
+/// 1/(n√12) in the root mean square, the deviation of a uniform number of width 1/n.
 fn lecture_formulas(
     bench: &Bench<'_>,
     settings: &Settings,

@@ -181,7 +181,8 @@ pub struct Check {
     pub measured: f64,
     /// The value that it has to be.
     pub expected: f64,
-    /// Probability of a result at least as far off when all is right; 0 or 1 where no chance is involved.
+    /// Probability of a result at least as far off when all is right; 0 or 1 where no chance is
+    /// involved.
     pub p_value: f64,
 }
 
@@ -202,9 +203,10 @@ impl Check {
         }
     }
 
-    /// A variance estimated from `count` independent values of the given kurtosis (3 for normal ones), with the
-    /// relative `allowance` of rounding. Cube roots of such estimates are closest to normal (Wilson & Hilferty 1931):
-    /// with v = (kurtosis − 1)/count the root's mean is 1 − v/9 and its variance v/9.
+    /// A variance estimated from `count` independent values of the given kurtosis (3 for normal
+    /// ones), with the relative `allowance` of rounding. Cube roots of such estimates are closest
+    /// to normal (Wilson & Hilferty 1931): with v = (kurtosis − 1)/count the root's mean is 1 − v/9
+    /// and its variance v/9.
     pub fn variance(
         name: impl Into<String>,
         measured: f64,
@@ -263,7 +265,8 @@ impl Report {
         }
     }
 
-    /// The checks that fail, each at the level that the family of all of this experiment's checks gives it.
+    /// The checks that fail, each at the level that the family of all of this experiment's checks
+    /// gives it.
     pub fn failures(&self) -> Vec<&Check> {
         let family = Family::new(self.checks.len().max(1));
         let checks = self.checks.iter();

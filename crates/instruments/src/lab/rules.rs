@@ -1,7 +1,8 @@
-//! Quadrature in f64: the rules of `shaders/lab/rules.wesl`, closed forms of what they give, and the integrands.
+//! Quadrature in f64: the rules of `shaders/lab/rules.wesl`, closed forms of what they give, and
+//! the integrands.
 //!
-//! On [0, 1] with n panels and g(x) = 2e^(2x)/(e² − 1), whose integral is 1, every rule is a geometric series; with
-//! t = 1/n:
+//! On [0, 1] with n panels and g(x) = 2e^(2x)/(e² − 1), whose integral is 1, every rule is a
+//! geometric series; with t = 1/n:
 //!
 //! ```text
 //!     midpoint M = t/sinh t          I − M = (b−a)³f″/(24n²) − …
@@ -150,7 +151,8 @@ impl Integrand {
     }
 }
 
-/// Corner number `index` in six dimensions: odd multiples of 2⁻¹⁹ in [½, 1), which f32 holds and no rule's nodes meet.
+/// Corner number `index` in six dimensions: odd multiples of 2⁻¹⁹ in [½, 1), which f32 holds and no
+/// rule's nodes meet.
 pub fn corner(seed: u32, index: u32) -> [f64; 6] {
     let words = [0, 1].map(|half| pcg4d([index, half, 0xb0c5, seed]));
     std::array::from_fn(|i| {
@@ -159,8 +161,9 @@ pub fn corner(seed: u32, index: u32) -> [f64; 6] {
     })
 }
 
-/// The R sequence's steps in `dimensions` dimensions, in units of 2⁻³² (Roberts 2018, "The Unreasonable Effectiveness of
-/// Quasirandom Sequences"): powers of 1/φ with φ^(s+1) = φ + 1. In one dimension φ is the golden ratio.
+/// The R sequence's steps in `dimensions` dimensions, in units of 2⁻³² (Roberts 2018, "The
+/// Unreasonable Effectiveness of Quasirandom Sequences"): powers of 1/φ with φ^(s+1) = φ + 1. In
+/// one dimension φ is the golden ratio.
 pub fn r_sequence(dimensions: u32) -> [u32; 8] {
     let mut phi: f64 = 2.0;
     for _ in 0..64 {

@@ -1,12 +1,13 @@
-//! Inversion against rejection, for densities and discrete distributions, and the alias table (Walker 1974).
+//! Inversion against rejection, for densities and discrete distributions, and the alias table
+//! (Walker 1974).
 //!
 //! ```text
 //!     inversion    x = F⁻¹(u): one random number, if F has an inverse
 //!     rejection    (x, y) uniform in a box around p, kept if y < p(x): 1/efficiency attempts of two numbers
 //! ```
 //!
-//! Samples come from the GPU; their histogram is held against the distribution function by Pearson's χ², and the
-//! attempts that they took against the geometric distribution.
+//! Samples come from the GPU; their histogram is held against the distribution function by
+//! Pearson's χ², and the attempts that they took against the geometric distribution.
 
 use super::Settings;
 use super::bench::Bench;
@@ -78,7 +79,8 @@ pub fn draw_discrete(
     Ok(bench.run(&run, &table)?.blocks)
 }
 
-/// Counts per cell of `edges`, and in the last place those outside. A millionth of the interval counts as rounding.
+/// Counts per cell of `edges`, and in the last place those outside. A millionth of the interval
+/// counts as rounding.
 pub fn histogram(blocks: &[LabBlock], edges: &[f64]) -> Vec<u64> {
     let cells = edges.len() - 1;
     let (low, high) = (edges[0], edges[cells]);
@@ -296,7 +298,8 @@ fn discrete(
     Ok(())
 }
 
-/// Histogram of the alias table's samples beside the probabilities and their sums; long ones every fourth.
+/// Histogram of the alias table's samples beside the probabilities and their sums; long ones every
+/// fourth.
 fn show_discrete(distribution: &Discrete, found: &[f64], report: &mut Report, shapes: &mut Table) {
     let step = distribution.probability.len().div_ceil(CELLS);
     let thin = |values: &[f64]| -> Vec<f64> { values.iter().copied().step_by(step).collect() };

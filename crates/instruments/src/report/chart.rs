@@ -120,7 +120,8 @@ fn names(svg: &mut Svg, curves: &[Curve], x: &Scale, y: &Scale) {
     }
 }
 
-/// Positions in rising order that are at least [`NAME_STEP`] apart and inside the plot, near `wanted`.
+/// Positions in rising order that are at least [`NAME_STEP`] apart and inside the plot, near
+/// `wanted`.
 fn apart(wanted: &[f64]) -> Vec<f64> {
     let mut at = wanted.to_vec();
     let lowest = AREA.bottom + 20.0;

@@ -3,8 +3,9 @@
 use crate::cost::{Estimator, EstimatorCost, Point, SceneCost};
 use std::path::Path;
 
-/// The columns: first those that tables of other renderers have, then further ones. `effects` are those that the estimator is
-/// compiled with: `called-for`, or what else is compiled in, the name of an effect or `everything`.
+/// The columns: first those that tables of other renderers have, then further ones. `effects` are
+/// those that the estimator is compiled with: `called-for`, or what else is compiled in, the name
+/// of an effect or `everything`.
 pub const HEADER: &str = "scene,sampler,strategy,spp,seconds,relmse,efficiency,light_sampling,light_selection,shadow_rays,shadow_pattern,width,height,replicates,\
                           seconds_low,seconds_high,relmse_low,relmse_high,efficiency_low,efficiency_high,mse,mse_low,mse_high,effects";
 

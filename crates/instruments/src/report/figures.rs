@@ -21,8 +21,8 @@ pub struct Figure {
 pub const NAMES: [&str; 4] = ["error-time", "error-samples", "efficiency", EFFECTS];
 const EFFECTS: &str = "effects";
 
-/// Number of an estimator's colour: that of its strategy, the same on every page; where there is one strategy alone, further
-/// ones for the effects that are compiled in without need.
+/// Number of an estimator's colour: that of its strategy, the same on every page; where there is
+/// one strategy alone, further ones for the effects that are compiled in without need.
 fn series(cost: &SceneCost, estimator: &EstimatorCost) -> usize {
     let all = Strategy::VARIANTS;
     let strategy = estimator.estimator.settings.strategy;
@@ -46,7 +46,8 @@ fn series(cost: &SceneCost, estimator: &EstimatorCost) -> usize {
     (of_strategy + of_effect.unwrap_or(0)) % SERIES
 }
 
-/// Estimators with effects that are compiled in without need, in the order in which they were named, and what these cost.
+/// Estimators with effects that are compiled in without need, in the order in which they were
+/// named, and what these cost.
 pub fn with_effects(cost: &SceneCost) -> impl Iterator<Item = (&EstimatorCost, &WithoutNeed)> {
     let all = cost.estimators.iter();
     all.filter_map(|e| Some((e, e.without_need.as_ref()?)))
@@ -111,7 +112,8 @@ pub fn of(cost: &SceneCost) -> [Figure; 3] {
     .map(|(name, svg)| Figure { name, svg })
 }
 
-/// Times of effects that are compiled in without need over those of what is called for; none where there are none.
+/// Times of effects that are compiled in without need over those of what is called for; none where
+/// there are none.
 pub fn effects(cost: &SceneCost) -> Option<Figure> {
     let bar = |(e, need): (&EstimatorCost, &WithoutNeed)| Bar {
         name: e.name.clone(),

@@ -7,7 +7,8 @@ use crate::cost::{Compiled, EstimatorCost, Interval, SceneCost};
 
 /// The result in a sentence or two.
 pub fn lead(cost: &SceneCost) -> String {
-    // What effects cost without need is told by ratios of times in pairs, not by intervals of efficiency.
+    // What effects cost without need is told by ratios of times in pairs, not by intervals of
+    // efficiency.
     let all: Vec<_> = ranked(cost)
         .into_iter()
         .filter(|e| e.without_need.is_none())
@@ -67,7 +68,8 @@ fn comparison(cost: &SceneCost, all: &[&EstimatorCost]) -> String {
     text
 }
 
-/// What everything costs where nothing calls for it, in a sentence of its own; empty where that was not measured.
+/// What everything costs where nothing calls for it, in a sentence of its own; empty where that was
+/// not measured.
 fn without_need(cost: &SceneCost) -> String {
     let everything = |e: &EstimatorCost| e.estimator.effects == Compiled::WithEverything;
     let all: Vec<_> = with_effects(cost).filter(|(e, _)| everything(e)).collect();

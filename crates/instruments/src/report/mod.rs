@@ -1,4 +1,5 @@
-//! The report of `direkt cost`: a page that needs no network, its plots as SVG and PNG, a table as CSV.
+//! The report of `direkt cost`: a page that needs no network, its plots as SVG and PNG, a table as
+//! CSV.
 
 mod chart;
 pub mod csv;
@@ -22,10 +23,12 @@ use std::path::Path;
 
 /// The page's file.
 const PAGE: &str = "report.html";
-/// Characters of a scene's name in those of its plots: four bytes each leave room for the rest of a name of 255 bytes.
+/// Characters of a scene's name in those of its plots: four bytes each leave room for the rest of a
+/// name of 255 bytes.
 const MAX_STEM: usize = 48;
 
-/// Writes the page and the plots into `folder`, which is made if need be. Scenes of `not_measured` are named as such.
+/// Writes the page and the plots into `folder`, which is made if need be. Scenes of `not_measured`
+/// are named as such.
 ///
 /// # Errors
 /// A file cannot be written.
@@ -42,7 +45,8 @@ pub fn write(
     Ok(())
 }
 
-/// The names of the files of a report and what is in them, each made when it is asked for: the page, then the plots.
+/// The names of the files of a report and what is in them, each made when it is asked for: the
+/// page, then the plots.
 pub fn files<'a>(
     costs: &'a [SceneCost],
     not_measured: &'a [String],
@@ -77,7 +81,8 @@ fn plot_names(stem: &str, figure: &str) -> [String; 2] {
     ["svg", "png"].map(|extension| format!("{stem}-{figure}.{extension}"))
 }
 
-/// What the files of each scene are called: the beginning of its file's stem, numbered where that comes twice.
+/// What the files of each scene are called: the beginning of its file's stem, numbered where that
+/// comes twice.
 fn stems<'a>(scenes: impl Iterator<Item = &'a Path>) -> Vec<String> {
     let mut stems: Vec<String> = Vec::new();
     for scene in scenes {

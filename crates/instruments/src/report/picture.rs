@@ -20,7 +20,8 @@ const SMALL: u32 = 1 << 14;
 /// Of JPEG, from 1 to 100. At the size at which a page shows them, 70 cannot be told from 90.
 const QUALITY: u8 = 75;
 
-/// A `data:` address of the heat map of relative errors; where it is reduced, of their root mean square.
+/// A `data:` address of the heat map of relative errors; where it is reduced, of their root mean
+/// square.
 pub fn heat_map(size: FilmSize, errors: &[f64]) -> Result<String, Error> {
     let squares = errors.iter().map(|e| (e * e) as f32).collect();
     let squares: ImageBuffer<Luma<f32>, Vec<f32>> =
@@ -32,7 +33,8 @@ pub fn heat_map(size: FilmSize, errors: &[f64]) -> Result<String, Error> {
     data_address(reduced.dimensions(), &colours.collect::<Vec<_>>())
 }
 
-/// A `data:` address of radiance as it would be shown. Where it is reduced, the light of the display's pixels is averaged.
+/// A `data:` address of radiance as it would be shown. Where it is reduced, the light of the
+/// display's pixels is averaged.
 pub fn radiance(size: FilmSize, pixels: impl Iterator<Item = [f64; 3]>) -> Result<String, Error> {
     let display = Display::default();
     let light = pixels
@@ -108,7 +110,8 @@ mod tests {
         );
     }
 
-    /// Columns of light 1 and 0 by turns are as bright as light ½, and columns of errors 1 and 0 have the RMS √½.
+    /// Columns of light 1 and 0 by turns are as bright as light ½, and columns of errors 1 and 0
+    /// have the RMS √½.
     #[test]
     fn reduced_images_have_the_mean_light_and_the_mean_square() {
         let size = FilmSize {

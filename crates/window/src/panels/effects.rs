@@ -4,7 +4,8 @@ use crate::app::App;
 use direkt::low_level::effects::Effect;
 use eframe::egui::{RichText, Ui};
 
-/// Shows the effects of the view that is edited, with their reasons, and switches that force the others.
+/// Shows the effects of the view that is edited, with their reasons, and switches that force the
+/// others.
 pub fn show(app: &mut App, ui: &mut Ui) {
     let index = app.edited_view();
     let forced = app.methods[index].forced.clone();

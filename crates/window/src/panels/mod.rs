@@ -62,8 +62,8 @@ where
     });
 }
 
-/// Begins or ends a comparison: the second view begins with the method of the first, but for what makes a difference worth
-/// seeing.
+/// Begins or ends a comparison: the second view begins with the method of the first, but for what
+/// makes a difference worth seeing.
 pub fn compare(app: &mut App, begin: bool) {
     if !begin {
         app.methods.truncate(1);

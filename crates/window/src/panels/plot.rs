@@ -8,7 +8,8 @@ const HEIGHT: f32 = 190.0;
 /// Room for numbers to the left and below.
 const LEFT: f32 = 44.0;
 const BELOW: f32 = 30.0;
-/// Colours of the runs that are on screen, A and B, that can be told apart by everyone (Okabe & Ito 2008).
+/// Colours of the runs that are on screen, A and B, that can be told apart by everyone (Okabe & Ito
+/// 2008).
 const SHOWN: [Color32; 2] = [
     Color32::from_rgb(86, 180, 233),
     Color32::from_rgb(230, 159, 0),

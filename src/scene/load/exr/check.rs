@@ -1,5 +1,5 @@
-//! What the decoder of OpenEXR would believe, checked before it does: it makes room for all that a file announces, and
-//! ends the process where there is none.
+//! What the decoder of OpenEXR would believe, checked before it does: it makes room for all that a
+//! file announces, and ends the process where there is none.
 
 use super::refusal;
 use crate::error::InputError;
@@ -10,13 +10,14 @@ use exr::prelude::Compression;
 use std::io::Cursor;
 use std::path::Path;
 
-/// Most bytes that a byte of a file becomes, texels outside of the image and channels that are not read included: what
-/// zlib packs.
+/// Most bytes that a byte of a file becomes, texels outside of the image and channels that are not
+/// read included: what zlib packs.
 const MAX_EXPANSION: u64 = 1032;
 /// Numbers at the beginning of a DWA chunk, 64 bits each.
 const DWA_COUNTERS: usize = 11;
-/// Which of them announce uncompressed data, with the bytes of what they count: data of channels that are stored as they
-/// are; run-length encoded data, packed and unpacked; coefficients of the cosine transform, AC and DC.
+/// Which of them announce uncompressed data, with the bytes of what they count: data of channels
+/// that are stored as they are; run-length encoded data, packed and unpacked; coefficients of the
+/// cosine transform, AC and DC.
 const DWA_ANNOUNCED: [(usize, u64); 5] = [(1, 1), (6, 1), (7, 1), (8, 2), (9, 2)];
 
 /// Refuses windows, channels and chunks that announce more than the file can hold.

@@ -1,6 +1,7 @@
 //! Which channels of a file are its colours.
 //!
-//! A channel is called `LAYER.R` or `R`; the part of a file that it lies in may have a name besides.
+//! A channel is called `LAYER.R` or `R`; the part of a file that it lies in may have a name
+//! besides.
 
 use crate::error::InputError;
 use exr::meta::MetaData;
@@ -69,10 +70,12 @@ impl Layer {
     }
 }
 
-/// Last words of layers' names that stand for the whole image among further layers (Blender, Arnold, Nuke).
+/// Last words of layers' names that stand for the whole image among further layers (Blender,
+/// Arnold, Nuke).
 const USUAL: [&str; 3] = ["combined", "beauty", "rgba"];
 
-/// The layer called `name`; without one the channels R, G and B that no layer's name precedes, else the only layer.
+/// The layer called `name`; without one the channels R, G and B that no layer's name precedes, else
+/// the only layer.
 pub(super) fn choose(
     file: &Path,
     meta: &MetaData,

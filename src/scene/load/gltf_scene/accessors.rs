@@ -12,7 +12,8 @@ use std::borrow::Cow;
 /// Most elements that an accessor without data of its own may have.
 const MAX_ZEROS: u64 = 1 << 24;
 
-/// The elements of an accessor: `count` times `components` numbers, each `stride` bytes after the other.
+/// The elements of an accessor: `count` times `components` numbers, each `stride` bytes after the
+/// other.
 struct Elements<'a> {
     bytes: Cow<'a, [u8]>,
     count: usize,
@@ -68,8 +69,8 @@ pub(super) fn joints(
     Ok((0..elements.count).map(element).collect())
 }
 
-/// Vertex colours: `VEC3` or `VEC4` of float or of normalised unsigned integers, brought into [0, 1] (glTF 2.0, section
-/// 3.7.2.1). Alpha is 1 where there is none.
+/// Vertex colours: `VEC3` or `VEC4` of float or of normalised unsigned integers, brought into [0,
+/// 1] (glTF 2.0, section 3.7.2.1). Alpha is 1 where there is none.
 pub(super) fn colors(
     document: &Document,
     index: usize,
@@ -105,8 +106,8 @@ pub(super) fn colors(
 /// In a list of corners: the strip or the fan ends here, and another begins.
 pub(super) const RESTART: u32 = u32::MAX;
 
-/// Vertex indices: `SCALAR` of an unsigned type, each below `vertices`; the type's largest value is [`RESTART`] where
-/// `restarts`.
+/// Vertex indices: `SCALAR` of an unsigned type, each below `vertices`; the type's largest value is
+/// [`RESTART`] where `restarts`.
 pub(super) fn indices(
     document: &Document,
     index: usize,
@@ -194,8 +195,8 @@ fn elements<'a>(
     })
 }
 
-/// The bytes of `count` elements of `size` bytes that begin at an offset into a buffer view, and their distance there; the
-/// last element ends them.
+/// The bytes of `count` elements of `size` bytes that begin at an offset into a buffer view, and
+/// their distance there; the last element ends them.
 fn strided<'a>(
     document: &'a Document,
     name: &str,
@@ -226,7 +227,8 @@ fn strided<'a>(
     Ok((bytes, stride))
 }
 
-/// A copy of the elements of `base`, one after the other; zeros where there is none (glTF 2.0, section 3.6.2.3).
+/// A copy of the elements of `base`, one after the other; zeros where there is none (glTF 2.0,
+/// section 3.6.2.3).
 fn packed(
     document: &Document,
     name: &str,

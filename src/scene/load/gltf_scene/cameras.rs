@@ -7,8 +7,9 @@ use crate::scene::{Camera, Projection};
 use glam::{DAffine3, DVec3};
 use gltf::json;
 
-/// The scene's first camera, moved by `placement`; scale and mirroring of its node are ignored, as glTF has it, while
-/// `placement` scales what an orthographic one sees. Its aspect is the image's: the vertical size decides.
+/// The scene's first camera, moved by `placement`; scale and mirroring of its node are ignored, as
+/// glTF has it, while `placement` scales what an orthographic one sees. Its aspect is the image's:
+/// the vertical size decides.
 pub(super) fn first(
     document: &Document,
     placed: &[Placed],

@@ -10,8 +10,8 @@ use gltf::json::material::AlphaMode;
 use gltf::json::mesh::{Primitive, Semantic};
 use gltf::json::validation::Checked;
 
-/// COLOR_0 of `primitive`, whose `count` vertices have the attributes that the field `attributes` names; empty where it
-/// changes nothing.
+/// COLOR_0 of `primitive`, whose `count` vertices have the attributes that the field `attributes`
+/// names; empty where it changes nothing.
 pub(super) fn of_primitive(
     document: &Document,
     primitive: &Primitive,

@@ -11,7 +11,8 @@ const BIN: u64 = 0x004E_4942;
 /// Bytes of a chunk's header.
 const HEADER: u64 = 8;
 
-/// A file's JSON, and buffer 0 where it holds that, too: of a GLB by its first bytes, whatever the file's name.
+/// A file's JSON, and buffer 0 where it holds that, too: of a GLB by its first bytes, whatever the
+/// file's name.
 pub(super) fn split<'a>(
     path: &Path,
     bytes: &'a [u8],
@@ -23,7 +24,8 @@ pub(super) fn split<'a>(
     }
 }
 
-/// The JSON chunk and the binary chunk; chunks of other kinds are passed over, as glTF 2.0 has it (section 4.4.3).
+/// The JSON chunk and the binary chunk; chunks of other kinds are passed over, as glTF 2.0 has it
+/// (section 4.4.3).
 fn split_glb<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>), InputError> {
     let truncated = |needed: u64| {
         InputError::file(
@@ -73,8 +75,8 @@ fn split_glb<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [
     Ok((text, None))
 }
 
-/// Where the chunk after one that ends at `end` begins: chunks begin at multiples of 4, but where a writer pads none, its
-/// next one follows at once.
+/// Where the chunk after one that ends at `end` begins: chunks begin at multiples of 4, but where a
+/// writer pads none, its next one follows at once.
 fn following(bytes: &[u8], end: u64) -> u64 {
     let aligned = end.next_multiple_of(4);
     let at_once = matches!(word(bytes, end + 4), Some(JSON | BIN));

@@ -1,4 +1,5 @@
-//! Sets of texture coordinates: glTF has any number, and a mesh carries the two that its material reads.
+//! Sets of texture coordinates: glTF has any number, and a mesh carries the two that its material
+//! reads.
 
 use super::document::Document;
 use super::textures::Named;
@@ -14,8 +15,8 @@ pub(super) struct CoordinateSets {
 }
 
 impl CoordinateSets {
-    /// Those that the material of `primitive` asks for first. Where it has one of two, that is the first; where it has
-    /// neither, its textures are not read.
+    /// Those that the material of `primitive` asks for first. Where it has one of two, that is the
+    /// first; where it has neither, its textures are not read.
     pub(super) fn of(document: &Document, primitive: &Primitive) -> Self {
         let material = primitive.material.map(|m| m.value());
         let material = material.and_then(|index| document.root.materials.get(index));
@@ -48,7 +49,8 @@ impl CoordinateSets {
     }
 }
 
-/// The sets that the textures of `material` are read with, each once, in the order in which textures name them.
+/// The sets that the textures of `material` are read with, each once, in the order in which
+/// textures name them.
 pub(super) fn asked_sets(material: &Material) -> Vec<u32> {
     let mut sets = Vec::new();
     for named in Named::all(material) {

@@ -10,7 +10,8 @@ use gltf::json;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Extensions that are read; all others are named in a warning, or refused where the file requires them.
+/// Extensions that are read; all others are named in a warning, or refused where the file requires
+/// them.
 pub(super) const SUPPORTED_EXTENSIONS: [&str; 14] = [
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
@@ -90,7 +91,8 @@ impl Document {
             .into_owned()
     }
 
-    /// Names of the extensions that the file uses and direkt does not read, whether the file declares them or not.
+    /// Names of the extensions that the file uses and direkt does not read, whether the file
+    /// declares them or not.
     pub(super) fn unsupported_extensions(&self) -> Vec<&str> {
         let declared = &self.root.extensions_used;
         let undeclared = self.extensions.iter().filter(|e| !declared.contains(e));
@@ -114,7 +116,8 @@ impl Document {
         InputError::new(&self.path, field, problem, expected)
     }
 
-    /// `list[index]`, or the error that names `field`, the number and what `kind` of thing there are how many of.
+    /// `list[index]`, or the error that names `field`, the number and what `kind` of thing there
+    /// are how many of.
     pub(super) fn get<'a, T>(
         &self,
         list: &'a [T],

@@ -76,8 +76,8 @@ pub(super) fn place(
     Ok(places)
 }
 
-/// The same for a mesh with a skin, whose joints take it to the file's world: its node has no part in that, and instances of
-/// it are not defined.
+/// The same for a mesh with a skin, whose joints take it to the file's world: its node has no part
+/// in that, and instances of it are not defined.
 pub(super) fn place_skinned(
     document: &Document,
     node: &Placed,
@@ -97,8 +97,8 @@ pub(super) fn place_skinned(
     }])
 }
 
-/// From the space of the mesh to that of node `index`, for each of the node's instances; `None` for a node that does not have
-/// the extension.
+/// From the space of the mesh to that of node `index`, for each of the node's instances; `None` for
+/// a node that does not have the extension.
 fn of_node(document: &Document, index: usize) -> Result<Option<Vec<DAffine3>>, InputError> {
     let Some(attributes) = attributes_of(document, index) else {
         return Ok(None);

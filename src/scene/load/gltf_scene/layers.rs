@@ -1,4 +1,5 @@
-//! Textures of the extensions about the dielectric: one of a single value is a factor; others are left out, each by name.
+//! Textures of the extensions about the dielectric: one of a single value is a factor; others are
+//! left out, each by name.
 
 use super::document::Document;
 use super::textures::{Named, texture_use};
@@ -8,7 +9,8 @@ use crate::scene::load::texture::{Meaning, Textures};
 use crate::scene::material::DielectricLayer;
 use gltf::json;
 
-/// Multiplies the factors of `layer` by the textures of the material `name` that vary nothing, and names the others.
+/// Multiplies the factors of `layer` by the textures of the material `name` that vary nothing, and
+/// names the others.
 pub(super) fn fold(
     document: &Document,
     json: &json::Material,

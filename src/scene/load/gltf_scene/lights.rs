@@ -9,7 +9,8 @@ use gltf::json::extensions::scene::khr_lights_punctual as khr;
 use gltf::json::validation::Checked;
 use std::f64::consts::FRAC_PI_2;
 
-/// The lights of all placed nodes, moved by `placement`, which leaves their intensities as they are.
+/// The lights of all placed nodes, moved by `placement`, which leaves their intensities as they
+/// are.
 pub(super) fn all(
     document: &Document,
     placed: &[Placed],

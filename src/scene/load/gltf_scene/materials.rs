@@ -21,8 +21,8 @@ pub(super) struct Materials<'a> {
     first: usize,
     textures: Textures,
     used: Vec<Material>,
-    /// From the file's index (`None`: glTF's default material) and the texture coordinates that there are, to the place in
-    /// `used`, and the emission.
+    /// From the file's index (`None`: glTF's default material) and the texture coordinates that
+    /// there are, to the place in `used`, and the emission.
     places: BTreeMap<(Option<usize>, CoordinateSets), (usize, Option<Emission>)>,
 }
 
@@ -38,7 +38,8 @@ impl<'a> Materials<'a> {
         }
     }
 
-    /// The id and the emission of the material that the primitive `field`, which has the texture coordinates `sets`, names.
+    /// The id and the emission of the material that the primitive `field`, which has the texture
+    /// coordinates `sets`, names.
     pub(super) fn use_material(
         &mut self,
         index: Option<usize>,
@@ -142,7 +143,8 @@ impl<'a> Materials<'a> {
     }
 }
 
-/// How a material scatters: by metallic and roughness with `layer`, by specular and glossiness, or not at all.
+/// How a material scatters: by metallic and roughness with `layer`, by specular and glossiness, or
+/// not at all.
 fn bsdf(
     document: &Document,
     json: &gltf::json::Material,
@@ -196,7 +198,8 @@ pub(in crate::scene::load) struct FirstIds {
     pub(in crate::scene::load) texture: usize,
 }
 
-/// The extensions about the dielectric: its index of refraction, its reflectance and what passes through it.
+/// The extensions about the dielectric: its index of refraction, its reflectance and what passes
+/// through it.
 fn dielectric_layer(
     document: &Document,
     json: &gltf::json::Material,
@@ -255,7 +258,8 @@ fn dielectric_layer(
     Ok(layer)
 }
 
-/// What `alphaMode` makes of the base colour's alpha (glTF 2.0, section 3.9.4); `color` is the base colour's texture.
+/// What `alphaMode` makes of the base colour's alpha (glTF 2.0, section 3.9.4); `color` is the base
+/// colour's texture.
 fn opacity(
     document: &Document,
     json: &gltf::json::Material,
@@ -297,7 +301,8 @@ fn opacity(
     })
 }
 
-/// The shortest decimal number that is read as `value`: what a file says, so that 0.9 · 102/255 reaches 0.36.
+/// The shortest decimal number that is read as `value`: what a file says, so that 0.9 · 102/255
+/// reaches 0.36.
 fn decimal(value: f32) -> f64 {
     value.to_string().parse().unwrap_or_else(|_| value.into())
 }

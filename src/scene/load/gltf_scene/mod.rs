@@ -1,7 +1,7 @@
 //! glTF 2.0 and GLB.
 //!
-//! The JSON is parsed by the crate `gltf`; every index, byte range and count in it is checked here before use, so
-//! that a broken file is an error that names what is broken.
+//! The JSON is parsed by the crate `gltf`; every index, byte range and count in it is checked here
+//! before use, so that a broken file is an error that names what is broken.
 
 mod accessors;
 mod cameras;
@@ -74,8 +74,8 @@ pub(super) fn load_scene(path: &Path, folders: &Folders) -> Result<Scene, InputE
     })
 }
 
-/// Reads the default scene of a file, moved by `placement`. Its materials and textures get the ids from `first` on, and
-/// its shapes' names start with `prefix`.
+/// Reads the default scene of a file, moved by `placement`. Its materials and textures get the ids
+/// from `first` on, and its shapes' names start with `prefix`.
 pub(super) fn load_part(
     path: &Path,
     folders: &Folders,

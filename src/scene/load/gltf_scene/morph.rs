@@ -1,4 +1,5 @@
-//! Morph targets at rest: the base shape plus their displacements, each times its weight (glTF 2.0, section 3.7.2.2).
+//! Morph targets at rest: the base shape plus their displacements, each times its weight (glTF 2.0,
+//! section 3.7.2.2).
 
 use super::document::Document;
 use super::{accessors, primitives::same_count};
@@ -13,7 +14,8 @@ pub(super) struct Weights {
     field: String,
 }
 
-/// The weights of mesh `mesh` in node `node`: the node's own, else the mesh's; `None` where nothing is displaced.
+/// The weights of mesh `mesh` in node `node`: the node's own, else the mesh's; `None` where nothing
+/// is displaced.
 pub(super) fn weights(
     document: &Document,
     node: usize,

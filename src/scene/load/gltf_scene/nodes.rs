@@ -13,7 +13,8 @@ pub(super) struct Placed {
     pub(super) index: usize,
     /// From the node's space to the file's world.
     pub(super) to_world: DAffine3,
-    /// Whether its mesh and its light are there: neither it nor a node above it is hidden by KHR_node_visibility.
+    /// Whether its mesh and its light are there: neither it nor a node above it is hidden by
+    /// KHR_node_visibility.
     pub(super) visible: bool,
 }
 
@@ -28,7 +29,8 @@ struct Reached {
 
 /// The nodes of the default scene, parents before children; all nodes of a file without scenes.
 ///
-/// A node that is reached twice (a cycle, or two parents, which glTF forbids) is an error; that also bounds the work.
+/// A node that is reached twice (a cycle, or two parents, which glTF forbids) is an error; that
+/// also bounds the work.
 pub(super) fn of_default_scene(document: &Document) -> Result<Vec<Placed>, InputError> {
     let nodes = &document.root.nodes;
     let mut reached = vec![false; nodes.len()];

@@ -47,8 +47,8 @@ pub(super) struct Primitives<'a> {
 }
 
 impl<'a> Primitives<'a> {
-    /// Those that the nodes `placed` show. Refuses files whose nodes multiply their meshes into more than a machine holds,
-    /// before that is done.
+    /// Those that the nodes `placed` show. Refuses files whose nodes multiply their meshes into
+    /// more than a machine holds, before that is done.
     pub(super) fn new(
         document: &'a Document,
         placed: &[Placed],
@@ -193,7 +193,8 @@ fn take_room(document: &Document, placed: &[Placed], room: &Room) -> Result<(), 
     Ok(())
 }
 
-/// The triangles that the accessors of `primitive` promise; 0 for strips and fans, which may end at every vertex.
+/// The triangles that the accessors of `primitive` promise; 0 for strips and fans, which may end at
+/// every vertex.
 fn promised_triangles(document: &Document, primitive: &Primitive) -> u64 {
     if primitive.mode != Checked::Valid(Mode::Triangles) {
         return 0;
@@ -215,7 +216,8 @@ struct Pose {
 }
 
 impl Pose {
-    /// The primitive `field`, which is `base` without a pose: in the space of the mesh, or in the world where it has a skin.
+    /// The primitive `field`, which is `base` without a pose: in the space of the mesh, or in the
+    /// world where it has a skin.
     fn of<'a>(
         &self,
         document: &Document,
@@ -264,7 +266,8 @@ pub(super) fn triangle_mode(
     }
 }
 
-/// The triangles of a primitive; `None` where it has no POSITION, which glTF has skipped (section 3.7.2.1).
+/// The triangles of a primitive; `None` where it has no POSITION, which glTF has skipped (section
+/// 3.7.2.1).
 fn triangles(
     document: &Document,
     primitive: &Primitive,
@@ -373,7 +376,8 @@ pub(super) fn same_count(
     Err(document.error(field, problem, format!("as many as POSITION, {positions}")))
 }
 
-/// Triangles from corners (glTF 2.0, section 3.7.2.1). Strips and fans end and begin anew at [`RESTART`].
+/// Triangles from corners (glTF 2.0, section 3.7.2.1). Strips and fans end and begin anew at
+/// [`RESTART`].
 fn assemble(corners: &[u32], mode: Mode) -> Vec<[u32; 3]> {
     let runs = || corners.split(|&corner| corner == RESTART);
     match mode {

@@ -1,4 +1,5 @@
-//! Skins at rest: vertices that follow the joints of a skeleton as its nodes stand (glTF 2.0, section 3.7.3).
+//! Skins at rest: vertices that follow the joints of a skeleton as its nodes stand (glTF 2.0,
+//! section 3.7.3).
 
 use super::document::Document;
 use super::nodes::{self, Placed};
@@ -30,7 +31,8 @@ impl<'a> Skins<'a> {
         }
     }
 
-    /// The joints of the skin of node `node`: what takes a vertex from the space of the mesh to the world.
+    /// The joints of the skin of node `node`: what takes a vertex from the space of the mesh to the
+    /// world.
     pub(super) fn of_node(&mut self, node: usize) -> Result<Option<Rc<Vec<DAffine3>>>, InputError> {
         let document = self.document;
         let Some(index) = document.root.nodes[node].skin.map(|s| s.value()) else {
@@ -69,7 +71,8 @@ impl<'a> Skins<'a> {
         Ok(all.iter().map(affine).collect())
     }
 
-    /// Where joint `index` stands in the world. Joints outside of the scene stand where their own parents put them.
+    /// Where joint `index` stands in the world. Joints outside of the scene stand where their own
+    /// parents put them.
     fn joint(
         &mut self,
         index: usize,
@@ -86,9 +89,11 @@ impl<'a> Skins<'a> {
     }
 }
 
-/// Moves the vertices of `mesh`, made of the primitive `field`, to where the joints put them in the world.
+/// Moves the vertices of `mesh`, made of the primitive `field`, to where the joints put them in the
+/// world.
 ///
-/// `mirrored` is whether the mesh's node mirrors space: that alone turns the winding (section 3.7.4).
+/// `mirrored` is whether the mesh's node mirrors space: that alone turns the winding (section
+/// 3.7.4).
 pub(super) fn pose(
     document: &Document,
     primitive: &Primitive,

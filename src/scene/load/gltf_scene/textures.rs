@@ -129,8 +129,8 @@ const IMAGES: [(&str, bool); 3] = [
     ("MSFT_texture_dds", false),
 ];
 
-/// The image of texture `index`, and the field that names it. `None` where it has none that is read: then the texture is
-/// undefined (glTF 2.0, section 5.29.2).
+/// The image of texture `index`, and the field that names it. `None` where it has none that is
+/// read: then the texture is undefined (glTF 2.0, section 5.29.2).
 fn source(
     index: usize,
     texture: &json::Texture,
@@ -165,7 +165,8 @@ fn source(
     None
 }
 
-/// The texture that `named`, of the material `material`, says; `None` where it has no image that is read.
+/// The texture that `named`, of the material `material`, says; `None` where it has no image that is
+/// read.
 pub(super) fn texture_use(
     document: &Document,
     named: &Named,
@@ -222,8 +223,9 @@ fn sampling(sampler: &json::texture::Sampler) -> ([Wrap; 2], Interpolation) {
     ([wrap(sampler.wrap_s), wrap(sampler.wrap_t)], interpolation)
 }
 
-/// KHR_texture_transform: scale, then rotation, then offset. The specification's listing turns the wrong way; its text and
-/// the sample model turn counter-clockwise with v pointing down (KhronosGroup/glTF#1563).
+/// KHR_texture_transform: scale, then rotation, then offset. The specification's listing turns the
+/// wrong way; its text and the sample model turn counter-clockwise with v pointing down
+/// (KhronosGroup/glTF#1563).
 fn transform(transform: Option<&TextureTransform>) -> DAffine2 {
     let Some(t) = transform else {
         return DAffine2::IDENTITY;

@@ -94,7 +94,8 @@ pub(super) fn geometry_warnings(document: &Document, placed: &[Placed]) -> Vec<S
     warnings
 }
 
-/// What morph targets displace beside positions, normals and tangents, where any of them has a weight.
+/// What morph targets displace beside positions, normals and tangents, where any of them has a
+/// weight.
 fn unread_morphs(document: &Document, placed: &[Placed]) -> Option<String> {
     let root = &document.root;
     let mut of_nodes = placed
@@ -120,7 +121,8 @@ fn is_of_triangles(primitive: &Primitive) -> bool {
     )
 }
 
-/// Whether a texture of its material is read with texture coordinates that `primitive` does not have.
+/// Whether a texture of its material is read with texture coordinates that `primitive` does not
+/// have.
 fn lacks_coordinates(document: &Document, primitive: &Primitive) -> bool {
     let index = primitive.material.map(|m| m.value());
     let material = index.and_then(|i| document.root.materials.get(i));

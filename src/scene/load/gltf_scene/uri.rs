@@ -36,8 +36,8 @@ pub(super) fn data(text: &str) -> Result<Vec<u8>, String> {
     }
 }
 
-/// base64 as files have it: in either alphabet (RFC 4648, sections 4 and 5), with or without padding, broken into lines, or
-/// percent-encoded.
+/// base64 as files have it: in either alphabet (RFC 4648, sections 4 and 5), with or without
+/// padding, broken into lines, or percent-encoded.
 fn from_base64(text: &str) -> Result<Vec<u8>, String> {
     let config = GeneralPurposeConfig::new()
         .with_decode_padding_mode(DecodePaddingMode::RequireNone)
@@ -57,8 +57,9 @@ fn from_base64(text: &str) -> Result<Vec<u8>, String> {
         .map_err(|e| format!("is not valid base64: {e}"))
 }
 
-/// The names that a file may have which a URI stands for, likeliest first: decoded; as it is written, by exporters that
-/// encode nothing; with a path of another system; without a query or a fragment.
+/// The names that a file may have which a URI stands for, likeliest first: decoded; as it is
+/// written, by exporters that encode nothing; with a path of another system; without a query or a
+/// fragment.
 pub(super) fn file_names(uri: &str) -> Vec<String> {
     let decoded = decoded_name(uri);
     let bare = &uri[..uri.find(['?', '#']).unwrap_or(uri.len())];

@@ -1,13 +1,15 @@
 //! The text of a material library as the crate `tobj` reads it.
 //!
-//! The crate ends at a colour of one number, at one given as a spectrum or in XYZ, at a map or a material without a name and
-//! at a comment behind data, and takes keywords as they are usually written alone.
+//! The crate ends at a colour of one number, at one given as a spectrum or in XYZ, at a map or a
+//! material without a name and at a comment behind data, and takes keywords as they are usually
+//! written alone.
 
 use crate::error::InputError;
 use crate::scene::load::text;
 use std::path::Path;
 
-/// Keywords as the crate and [`super::convert`] know them. Of these, colours come first, then numbers, then maps.
+/// Keywords as the crate and [`super::convert`] know them. Of these, colours come first, then
+/// numbers, then maps.
 const KEYWORDS: [&str; 38] = [
     "Ka",
     "Kd",
@@ -101,8 +103,8 @@ pub(super) fn clean(file: &Path, text: &str) -> Result<String, InputError> {
     Ok(clean)
 }
 
-/// The numbers of `rest` in their usual spelling, of a colour three; a colour that is given otherwise as it is. `None` where
-/// they are none.
+/// The numbers of `rest` in their usual spelling, of a colour three; a colour that is given
+/// otherwise as it is. `None` where they are none.
 fn numbers(rest: &str, is_color: bool) -> Option<String> {
     let mut words = rest.split_whitespace().take_while(|w| !w.starts_with('#'));
     let first = match words.next() {

@@ -30,7 +30,8 @@ pub(super) struct Converter<'a> {
     pub(super) warnings: &'a mut Vec<String>,
 }
 
-/// Looks up the maps that `material` of `file` names, so that they count as the scene's files whether they are shown or not.
+/// Looks up the maps that `material` of `file` names, so that they count as the scene's files
+/// whether they are shown or not.
 pub(super) fn look_up_maps(material: &tobj::Material, file: &Path, folders: &Folders) {
     let known = [
         &material.ambient_texture,
@@ -117,7 +118,8 @@ impl Converter<'_> {
             return Bsdf::Lambert { reflectance };
         }
         let mirror = matches!(illumination, Some(3 | 5));
-        // The Beckmann width that a Phong lobe of this exponent is like (Walter et al. 2007, section 5).
+        // The Beckmann width that a Phong lobe of this exponent is like (Walter et al. 2007,
+        // section 5).
         let exponent = from.shininess.unwrap_or(0.0).max(0.0);
         let alpha = if mirror {
             0.0
@@ -196,7 +198,8 @@ impl Converter<'_> {
             .push(format!("{file}: material `{}` {sentence}", from.name));
     }
 
-    /// The texture that `map`, the value of `key`, names; where it cannot be read, that is a warning.
+    /// The texture that `map`, the value of `key`, names; where it cannot be read, that is a
+    /// warning.
     fn texture(
         &mut self,
         from: &tobj::Material,
@@ -315,7 +318,8 @@ impl<'a> Map<'a> {
         map
     }
 
-    /// From texture coordinates whose v points down to those of the image: the library's v points up.
+    /// From texture coordinates whose v points down to those of the image: the library's v points
+    /// up.
     fn transform(&self) -> DAffine2 {
         let down = 1.0 - self.scale.y - self.offset.y;
         DAffine2::from_mat2_translation(

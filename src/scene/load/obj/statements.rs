@@ -1,8 +1,9 @@
 //! The statements of an OBJ file, line by line.
 //!
-//! The crate `tobj`, which reads the material libraries, is not enough for these: it takes polylines for faces, mixes up the
-//! attributes of faces that have them with those that do not, and ends at a comment behind data, a continued line, a
-//! texture coordinate of one number or a text that is not UTF-8.
+//! The crate `tobj`, which reads the material libraries, is not enough for these: it takes
+//! polylines for faces, mixes up the attributes of faces that have them with those that do not, and
+//! ends at a comment behind data, a continued line, a texture coordinate of one number or a text
+//! that is not UTF-8.
 
 use super::{NONE, ObjFile};
 use crate::error::InputError;
@@ -13,8 +14,8 @@ use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 
-/// Statements whose data may go on in the next line after a backslash, and end where a comment begins. The others name
-/// something, which may contain both.
+/// Statements whose data may go on in the next line after a backslash, and end where a comment
+/// begins. The others name something, which may contain both.
 const DATA: [&str; 8] = ["v", "vt", "vn", "f", "fo", "l", "p", "s"];
 /// Statements of free-form curves and surfaces.
 const FREE_FORM: [&str; 16] = [
@@ -52,7 +53,8 @@ pub(super) struct Reader<'a> {
     path: &'a Path,
     file: ObjFile,
     material_indices: HashMap<String, usize>,
-    /// Largest index so far of positions, texture coordinates and normals, and the line that names it.
+    /// Largest index so far of positions, texture coordinates and normals, and the line that names
+    /// it.
     largest: [(u32, usize); 3],
     clamped: Clamped,
     lines: usize,
@@ -286,7 +288,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The statement that begins with `line`, without comments and joined with the lines in which it goes on.
+/// The statement that begins with `line`, without comments and joined with the lines in which it
+/// goes on.
 fn whole_statement<'t>(
     line: &'t str,
     rest: &mut impl Iterator<Item = (usize, &'t str)>,

@@ -1,7 +1,8 @@
 //! The text of a PLY file as the crate `ply-rs-bw` reads it.
 //!
-//! What the format or its writers allow and the crate does not: comments in another encoding than UTF-8, names with other
-//! characters than letters and digits, properties of one name, blank lines, and numbers such as `.5`, `1.` and `nan`.
+//! What the format or its writers allow and the crate does not: comments in another encoding than
+//! UTF-8, names with other characters than letters and digits, properties of one name, blank lines,
+//! and numbers such as `.5`, `1.` and `nan`.
 
 use crate::scene::load::text;
 use std::collections::HashSet;
@@ -14,12 +15,14 @@ pub(super) struct Header {
     pub(super) end: usize,
 }
 
-/// The header of the file `bytes`: up to `end_header`, the first line that is not text of a header, or the end.
+/// The header of the file `bytes`: up to `end_header`, the first line that is not text of a header,
+/// or the end.
 pub(super) fn header(bytes: &[u8]) -> Header {
     let mut names = HashSet::new();
     let mut clean = String::new();
     let mut end = 0;
-    // A line feed behind the carriage return may be the first byte of binary data, unless lines end in both.
+    // A line feed behind the carriage return may be the first byte of binary data, unless lines end
+    // in both.
     let first = bytes.iter().position(|b| matches!(b, b'\n' | b'\r'));
     let both = first.is_some_and(|at| bytes[at..].starts_with(b"\r\n"));
     while end < bytes.len() {
@@ -96,8 +99,9 @@ pub(super) fn data(bytes: &[u8]) -> String {
     clean
 }
 
-/// Appends `word`, as digits, an optional fraction between digits and an optional exponent where it is a number. What is no
-/// number is none in the crate either; what is infinite or not a number becomes a number that is infinite as a float.
+/// Appends `word`, as digits, an optional fraction between digits and an optional exponent where it
+/// is a number. What is no number is none in the crate either; what is infinite or not a number
+/// becomes a number that is infinite as a float.
 fn push_number(out: &mut String, word: &str) {
     let digits = word.strip_prefix(['-', '+']).unwrap_or(word);
     if digits.bytes().all(|b| b.is_ascii_digit()) && !digits.is_empty() {

@@ -119,7 +119,8 @@ impl Elements {
     }
 }
 
-/// Adds the triangles of a strip, which turn alike. Those with a vertex twice join its parts and show nothing.
+/// Adds the triangles of a strip, which turn alike. Those with a vertex twice join its parts and
+/// show nothing.
 fn add_strip(corners: &[u32], triangles: &mut Vec<[u32; 3]>) {
     for (number, corner) in corners.windows(3).enumerate() {
         let (a, b, c) = (corner[0], corner[1], corner[2]);

@@ -176,7 +176,8 @@ fn the_orientation_is_kept() {
     }
 }
 
-/// Convex polygons, with corners on their edges or not, and concave ones from where a fan covers them.
+/// Convex polygons, with corners on their edges or not, and concave ones from where a fan covers
+/// them.
 #[test]
 fn what_a_fan_covers_is_a_fan() {
     let square = [
@@ -200,7 +201,8 @@ fn what_a_fan_covers_is_a_fan() {
     }
 }
 
-/// The same triangles whichever corner comes first, also of a polygon that is not flat: from two of its corners a fan covers it.
+/// The same triangles whichever corner comes first, also of a polygon that is not flat: from two of
+/// its corners a fan covers it.
 #[test]
 fn the_first_corner_does_not_matter() {
     let heights = [0.0, 0.3, -0.1, 0.2, 0.1, -0.2];
@@ -303,7 +305,8 @@ fn faces_that_are_no_simple_polygons_are_counted() {
     assert_eq!(cut(&not_finite).0.len(), 2);
 }
 
-/// A notch in the lower edge of a square, whatever its size and whichever corner comes first: what lies in it is not covered.
+/// A notch in the lower edge of a square, whatever its size and whichever corner comes first: what
+/// lies in it is not covered.
 #[test]
 fn notches_of_every_size_are_kept() {
     for size in [0.1, 1e-3, 1e-4, 1e-5] {

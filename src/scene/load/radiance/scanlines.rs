@@ -62,8 +62,8 @@ fn decode_component(
     Ok(())
 }
 
-/// Texels as they are, with the older runs: (1, 1, 1, n) repeats the texel before n times, further ones of them 256·n times
-/// and so on.
+/// Texels as they are, with the older runs: (1, 1, 1, n) repeats the texel before n times, further
+/// ones of them 256·n times and so on.
 fn decode_texels(rest: &mut &[u8], scanline: &mut [[u8; 4]]) -> Result<(), Problem> {
     let length = scanline.len();
     let mut at = 0;

@@ -138,7 +138,8 @@ pub(super) fn scene(path: &Path, folders: &Folders, file: SceneFile) -> Result<S
     })
 }
 
-/// An affine transform from a matrix by rows; `None` when the last row is another than `[0, 0, 0, 1]`.
+/// An affine transform from a matrix by rows; `None` when the last row is another than `[0, 0, 0,
+/// 1]`.
 pub(super) fn affine(rows: &[[f64; 4]; 4]) -> Option<DAffine3> {
     let matrix = DMat4::from_cols_array_2d(rows).transpose();
     let last = matrix.row(3) - glam::DVec4::W;

@@ -14,13 +14,14 @@ use super::format_shapes::{ShapeTable, TransformStep, one};
 
 /// A direkt scene: camera, film, materials, shapes, lights, environment and settings.
 ///
-/// Lengths are in any one unit; angles are in degrees; colours are linear RGB. Files are named relative to the scene
-/// file's folder, or to a folder named with `--assets`.
+/// Lengths are in any one unit; angles are in degrees; colours are linear RGB. Files are named
+/// relative to the scene file's folder, or to a folder named with `--assets`.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "direkt scene")]
 pub(super) struct SceneFile {
-    /// The camera. Left out: that of the first included glTF with a camera, or else one that frames the geometry.
+    /// The camera. Left out: that of the first included glTF with a camera, or else one that frames
+    /// the geometry.
     pub(super) camera: Option<CameraTable>,
     /// Size of the image.
     #[serde(default)]
@@ -68,7 +69,8 @@ pub(super) struct CameraTable {
     /// Radius of the lens, not negative; 0, a pinhole, when left out.
     #[serde(default)]
     pub(super) lens_radius: f64,
-    /// Distance from the eye, along the viewing direction, of the plane that is sharp, above 0; that of `target` when left out.
+    /// Distance from the eye, along the viewing direction, of the plane that is sharp, above 0;
+    /// that of `target` when left out.
     pub(super) focus_distance: Option<f64>,
 }
 
@@ -93,10 +95,11 @@ pub(super) struct FilmTable {
     /// Rows, 1 to 32768.
     #[schemars(range(min = 1, max = 32768))]
     pub(super) height: i64,
-    /// What a pixel shows of what lies around its middle: a function of the distance along each axis.
+    /// What a pixel shows of what lies around its middle: a function of the distance along each
+    /// axis.
     pub(super) filter: FilterKind,
-    /// Distance from the pixel's middle from which on the filter is zero, in pixels, above 0. When left out: 0.5 for `box`, 1
-    /// for `tent`, 1.5 for `gaussian`, 2 for `blackman-harris`.
+    /// Distance from the pixel's middle from which on the filter is zero, in pixels, above 0. When
+    /// left out: 0.5 for `box`, 1 for `tent`, 1.5 for `gaussian`, 2 for `blackman-harris`.
     pub(super) filter_radius: Option<f64>,
     /// Of the filter `gaussian`: its standard deviation in pixels, above 0; 0.5 when left out.
     pub(super) filter_stddev: Option<f64>,
@@ -121,7 +124,8 @@ impl Default for FilmTable {
 pub(super) struct GltfTable {
     /// A .gltf or .glb file.
     pub(super) file: String,
-    /// Steps that place it, the first listed is applied first. Radiance and intensities stay as they are.
+    /// Steps that place it, the first listed is applied first. Radiance and intensities stay as
+    /// they are.
     #[serde(default)]
     pub(super) transform: Vec<TransformStep>,
     /// Group of all its lights and surfaces that emit; `default` when left out.
@@ -147,8 +151,8 @@ pub(super) struct EnvironmentTable {
     pub(super) radiance: Option<Rgb>,
     /// A latitude-longitude map (.hdr, .exr); +y is up, and its middle lies in direction −z.
     pub(super) file: Option<String>,
-    /// The layer of an OpenEXR file, such as `ViewLayer.Combined`; the colours without a layer, or those of the only one, when
-    /// left out.
+    /// The layer of an OpenEXR file, such as `ViewLayer.Combined`; the colours without a layer, or
+    /// those of the only one, when left out.
     pub(super) layer: Option<String>,
     /// What lies between the map's texels.
     #[serde(default)]

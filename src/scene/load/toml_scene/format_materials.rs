@@ -1,4 +1,5 @@
-//! The types of a scene file's materials. Their doc comments are the descriptions in the JSON Schema.
+//! The types of a scene file's materials. Their doc comments are the descriptions in the JSON
+//! Schema.
 
 use super::format_shapes::one;
 use super::format_textures::TexturesTable;
@@ -16,18 +17,20 @@ pub(super) struct MaterialTable {
     /// How it scatters.
     #[schemars(flatten)]
     pub(super) kind: MaterialKind,
-    /// Whether the back of the surface scatters like its front; with false it does not exist and rays pass through.
+    /// Whether the back of the surface scatters like its front; with false it does not exist and
+    /// rays pass through.
     #[serde(default = "yes")]
     pub(super) double_sided: bool,
-    /// What varies over the surface: a rectangle's image lies with its upper left corner at v = 1, a disk shows the largest
-    /// ellipse of it, a mesh has texture coordinates; spheres have none.
+    /// What varies over the surface: a rectangle's image lies with its upper left corner at v = 1,
+    /// a disk shows the largest ellipse of it, a mesh has texture coordinates; spheres have none.
     #[serde(default)]
     pub(super) textures: TexturesTable,
-    /// Probability with which the surface stops a ray that meets it, 0 to 1; else the ray passes straight through. 1 when
-    /// left out.
+    /// Probability with which the surface stops a ray that meets it, 0 to 1; else the ray passes
+    /// straight through. 1 when left out.
     #[serde(default = "one")]
     pub(super) opacity: f64,
-    /// Makes a mask of the opacity: where it reaches this number the surface is opaque, elsewhere it does not exist.
+    /// Makes a mask of the opacity: where it reaches this number the surface is opaque, elsewhere
+    /// it does not exist.
     pub(super) alpha_cutoff: Option<f64>,
 }
 
@@ -45,10 +48,11 @@ pub(super) enum MaterialKind {
     Lambert(LambertTable),
     /// Ideal specular reflection, the same at every angle: direct lighting is seen in it.
     Mirror(MirrorTable),
-    /// Smooth glass, water, …: direct lighting is seen in it and through it. Shadow rays do not pass.
+    /// Smooth glass, water, …: direct lighting is seen in it and through it. Shadow rays do not
+    /// pass.
     Dielectric(DielectricTable),
-    /// A rough conductor with GGX microfacets: `reflectance` with Schlick's Fresnel term, or `eta` and `k`, or `metal`, with
-    /// Fresnel's equations. Below a width of 1e-4 it is a mirror.
+    /// A rough conductor with GGX microfacets: `reflectance` with Schlick's Fresnel term, or `eta`
+    /// and `k`, or `metal`, with Fresnel's equations. Below a width of 1e-4 it is a mirror.
     Conductor(ConductorTable),
     /// A diffuse base under a rough dielectric coat with GGX microfacets and Fresnel's equations.
     Plastic(PlasticTable),
@@ -87,14 +91,16 @@ pub(super) struct MirrorTable {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DielectricTable {
-    /// Index of refraction inside over that outside, 0.001 to 1000, of a thin pane from 1; 1.5 when left out. The inside is
-    /// behind the surface's front.
+    /// Index of refraction inside over that outside, 0.001 to 1000, of a thin pane from 1; 1.5 when
+    /// left out. The inside is behind the surface's front.
     #[serde(default = "glass")]
     pub(super) ior: f64,
-    /// Factor on light each time that it passes through the surface, each channel from 0 to 1; 1 when left out.
+    /// Factor on light each time that it passes through the surface, each channel from 0 to 1; 1
+    /// when left out.
     #[serde(default = "white")]
     pub(super) transmittance: Rgb,
-    /// Whether the surface is a pane of its own: light passes straight through, and reflections between its sides count.
+    /// Whether the surface is a pane of its own: light passes straight through, and reflections
+    /// between its sides count.
     #[serde(default)]
     pub(super) thin: bool,
 }
@@ -138,17 +144,19 @@ pub(super) struct MetallicRoughnessTable {
     pub(super) metallic: f64,
     /// Perceptual roughness, 0 to 1; the GGX width is its square, below 1e-4 a mirror.
     pub(super) roughness: f64,
-    /// Index of refraction of the dielectric, 1 to 1000, or 0 for full reflection (KHR_materials_ior); 1.5 when left out.
+    /// Index of refraction of the dielectric, 1 to 1000, or 0 for full reflection
+    /// (KHR_materials_ior); 1.5 when left out.
     #[serde(default = "glass")]
     pub(super) ior: f64,
     /// Factor on the dielectric's reflectance, 0 to 1 (KHR_materials_specular); 1 when left out.
     #[serde(default = "one")]
     pub(super) specular: f64,
-    /// Factor on the dielectric's reflectance at normal incidence, not negative (KHR_materials_specular); 1 when left out.
+    /// Factor on the dielectric's reflectance at normal incidence, not negative
+    /// (KHR_materials_specular); 1 when left out.
     #[serde(default = "white")]
     pub(super) specular_color: Rgb,
-    /// The part of what enters the dielectric that passes through, 0 to 1 (KHR_materials_transmission); 0 when left out.
-    /// Above 0 the surface is smooth.
+    /// The part of what enters the dielectric that passes through, 0 to 1
+    /// (KHR_materials_transmission); 0 when left out. Above 0 the surface is smooth.
     #[serde(default)]
     pub(super) transmission: f64,
     /// Whether what passes through is not refracted; true when left out.

@@ -1,4 +1,5 @@
-//! The types of a scene file's shapes and transforms. Their doc comments are descriptions in the JSON Schema.
+//! The types of a scene file's shapes and transforms. Their doc comments are descriptions in the
+//! JSON Schema.
 
 use super::format_textures::TextureTable;
 use crate::scene::rgb::Rgb;
@@ -15,8 +16,8 @@ pub(super) struct ShapeTable {
     pub(super) kind: ShapeKind,
     /// A name for messages.
     pub(super) name: Option<String>,
-    /// Name of its material; left out, those of an OBJ file's material libraries, else a grey Lambert material of
-    /// reflectance 0.5.
+    /// Name of its material; left out, those of an OBJ file's material libraries, else a grey
+    /// Lambert material of reflectance 0.5.
     pub(super) material: Option<String>,
     /// What it emits, instead of what an OBJ file's material libraries say.
     pub(super) emission: Option<EmissionTable>,
@@ -35,8 +36,8 @@ pub(super) enum ShapeKind {
     Rectangle(RectangleTable),
     /// The cube [-1, 1]³; or `min` and `max`. Its normals point outwards.
     Box(BoxTable),
-    /// The unit sphere; or `center` and `radius`. Its normal points outwards. A transform that does not scale all axes alike
-    /// makes it an ellipsoid.
+    /// The unit sphere; or `center` and `radius`. Its normal points outwards. A transform that does
+    /// not scale all axes alike makes it an ellipsoid.
     Sphere(SphereTable),
     /// The unit disk in the xy plane with normal +z; or `center`, `normal` and `radius`.
     Disk(DiskTable),

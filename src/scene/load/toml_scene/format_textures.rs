@@ -17,7 +17,8 @@ pub(super) struct TexturesTable {
     pub(super) normal: Option<TextureTable>,
     /// Factor on x and y of the normal map; 1 when left out.
     pub(super) normal_scale: Option<f64>,
-    /// Factor on `opacity`: the image's alpha channel, or of an image with one channel that one, as it is.
+    /// Factor on `opacity`: the image's alpha channel, or of an image with one channel that one, as
+    /// it is.
     pub(super) opacity: Option<TextureTable>,
 }
 
@@ -25,10 +26,11 @@ pub(super) struct TexturesTable {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TextureTable {
-    /// An image in .png, .jpg, .hdr, .exr, .bmp, .tga, .tif or .webp. Of a `color` 8 and 16 bits are sRGB, floats linear.
+    /// An image in .png, .jpg, .hdr, .exr, .bmp, .tga, .tif or .webp. Of a `color` 8 and 16 bits
+    /// are sRGB, floats linear.
     pub(super) file: String,
-    /// The layer of an OpenEXR file, such as `ViewLayer.Combined`; the colours without a layer, or those of the only one, when
-    /// left out.
+    /// The layer of an OpenEXR file, such as `ViewLayer.Combined`; the colours without a layer, or
+    /// those of the only one, when left out.
     pub(super) layer: Option<String>,
     /// What lies outside of the image, along u and v.
     #[serde(default)]

@@ -143,7 +143,8 @@ fn obj_parts(
 }
 
 impl Part {
-    /// Gives the part a material of the file, of which textures are left out where the mesh has no coordinates for them.
+    /// Gives the part a material of the file, of which textures are left out where the mesh has no
+    /// coordinates for them.
     fn set_material(
         &mut self,
         materials: &mut Vec<Material>,

@@ -1,5 +1,6 @@
-//! The TOML scene format: what a file may say is in [`mod@format`], [`format_materials`] and [`format_shapes`], how its text
-//! becomes those types in [`parse`], and what they mean in [`build`], [`mod@materials`] and [`shapes`].
+//! The TOML scene format: what a file may say is in [`mod@format`], [`format_materials`] and
+//! [`format_shapes`], how its text becomes those types in [`parse`], and what they mean in
+//! [`build`], [`mod@materials`] and [`shapes`].
 
 mod build;
 mod camera;

@@ -1,4 +1,5 @@
-//! From text to the types of [`mod@super::format`] and [`super::format_shapes`], with errors that name the line and the field.
+//! From text to the types of [`mod@super::format`] and [`super::format_shapes`], with errors that
+//! name the line and the field.
 
 use super::format::SceneFile;
 use super::format_materials::MaterialKind;
@@ -36,8 +37,9 @@ const TAGGED: [(&str, &[&str]); 3] = [
     ("lights", &["group"]),
 ];
 
-/// Moves the keys that depend on the `type` into a table `kind.TYPE`: from there serde reads them as an enum, and
-/// says which key is wrong, which it does not for enums that are told apart by a key among the others.
+/// Moves the keys that depend on the `type` into a table `kind.TYPE`: from there serde reads them
+/// as an enum, and says which key is wrong, which it does not for enums that are told apart by a
+/// key among the others.
 fn tag(
     path: &Path,
     text: &str,

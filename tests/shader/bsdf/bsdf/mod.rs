@@ -149,8 +149,9 @@ fn material_expression(m: &BsdfParameters) -> String {
     )
 }
 
-/// Relative error of the GGX lobe: 128 roundings of its functions, and D's sensitivity 2/α to the angle of h, which is
-/// known to 2 roundings over |ω_i + ω_o| and 16 of the normalisation. Twice for second order.
+/// Relative error of the GGX lobe: 128 roundings of its functions, and D's sensitivity 2/α to the
+/// angle of h, which is known to 2 roundings over |ω_i + ω_o| and 16 of the normalisation. Twice
+/// for second order.
 fn lobe_error(alpha: f64, wi: DVec3, wo: DVec3) -> f64 {
     let half_vector = (2.0 / (wi + wo).length() + 16.0) * U;
     128.0 * U + 4.0 / alpha * half_vector

@@ -16,8 +16,9 @@ use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::material::BsdfParameters;
 use glam::DVec3;
 
-/// Density of sampled directions over the whole sphere. Below the horizon are the reflections about visible normals
-/// that fail: the specular share of the GGX density there, which is above zero where the half vector is upright.
+/// Density of sampled directions over the whole sphere. Below the horizon are the reflections about
+/// visible normals that fail: the specular share of the GGX density there, which is above zero
+/// where the half vector is upright.
 fn sphere_pdf(m: &BsdfParameters, wo: DVec3, wi: DVec3) -> f64 {
     if wi.z > 0.0 {
         return eval_bsdf(m, wi, wo).pdf.0;
@@ -90,8 +91,8 @@ fn bsdf_samples_match_pdf() {
     }
 }
 
-/// Over the upper hemisphere and the failures below it. In polar coordinates around the normal the integrand jumps
-/// only where z = −cosθ_o.
+/// Over the upper hemisphere and the failures below it. In polar coordinates around the normal the
+/// integrand jumps only where z = −cosθ_o.
 #[test]
 fn densities_integrate_to_one_with_the_failures() {
     for (m, degrees) in sampled_cases() {
@@ -137,8 +138,9 @@ fn sampled_weights_have_the_exact_albedo() {
             let answers = drawn(context, &m, wo, seed);
             let samples: Vec<(f64, f64)> = answers.f64(3).zip(answers.f64(2)).collect();
             let exact = directional_albedo(alpha, degrees.to_radians().cos()).total();
-            // Numerator and denominator share D; what is left takes 64 roundings, here as one bias of all samples. Those
-            // of wo move the albedo by its slope, at most tanθ times the angle.
+            // Numerator and denominator share D; what is left takes 64 roundings, here as one bias
+            // of all samples. Those of wo move the albedo by its slope, at most tanθ times the
+            // angle.
             let allowance = (64.0 + 2.0 * degrees.to_radians().tan()) * U;
             let p_value = |values: &mut dyn Iterator<Item = f64>| {
                 let m: Moments = values.collect();
@@ -168,8 +170,9 @@ fn sampled_weights_have_the_exact_albedo() {
                     BrokenTwin::ExtraCosine if degrees > 0.0 || alpha > 0.05 => {
                         p_value(&mut samples.iter().map(|s| s.0 * s.1.max(0.0)))
                     }
-                    // Of a mirror along its normal the cosine is 1. The weight does not know the direction that a swap
-                    // makes of it, and there is no light and no other strategy.
+                    // Of a mirror along its normal the cosine is 1. The weight does not know the
+                    // direction that a swap makes of it, and there is no light and no other
+                    // strategy.
                     BrokenTwin::ExtraCosine
                     | BrokenTwin::SwappedSinCos
                     | BrokenTwin::LightLeftOut
@@ -195,7 +198,8 @@ fn sampled_weights_have_the_exact_albedo() {
     );
 }
 
-/// The furnace: every weight of a white Lambert surface is 1, whatever the number, but for those at the horizon.
+/// The furnace: every weight of a white Lambert surface is 1, whatever the number, but for those at
+/// the horizon.
 #[test]
 fn a_white_lambert_surface_keeps_all_light() {
     let context = context();

@@ -79,8 +79,8 @@ fn values_are_the_twins(materials: Vec<BsdfParameters>, features: &'static [&'st
         let error = m
             .specular
             .map_or(16.0 * U, |s| lobe_error(s.alpha, *wi, *wo));
-        // 1 − F of the diffuse lobe is known absolutely; under a coat it is one of two factors. The deficits of the
-        // compensation are sums of terms of up to 69.
+        // 1 − F of the diffuse lobe is known absolutely; under a coat it is one of two factors. The
+        // deficits of the compensation are sums of terms of up to 69.
         let absolute = 64.0 * U * wi.z.max(0.0);
         let of_lobe = m
             .specular
@@ -109,8 +109,9 @@ fn values_are_the_twins(materials: Vec<BsdfParameters>, features: &'static [&'st
     }
 }
 
-/// Absolute error of the compensation's f_r cosθ: 2⁻²⁴ of the terms of a deficit, which add up to 280 at most and have up to
-/// 12 roundings, times t(1 − t) ≤ 1/4, times the other deficit over π(1 − Ē).
+/// Absolute error of the compensation's f_r cosθ: 2⁻²⁴ of the terms of a deficit, which add up to
+/// 280 at most and have up to 12 roundings, times t(1 − t) ≤ 1/4, times the other deficit over π(1
+/// − Ē).
 fn compensation_error(lobe: &SpecularLobe, cos_i: f64, cos_o: f64) -> DVec3 {
     if cos_i <= 0.0 || cos_o <= 0.0 {
         return DVec3::ZERO;
@@ -120,8 +121,9 @@ fn compensation_error(lobe: &SpecularLobe, cos_i: f64, cos_o: f64) -> DVec3 {
     compensation_fresnel(lobe) * (12.0 * 280.0 * 0.25 * U * scale * cos_i)
 }
 
-/// Directions that leave the horizon, and weights: with F ≤ 1 a conductor's weight F·G2/G1 and a Lambert's albedo are in
-/// [0, 1], up to the error of the lobe in numerator and denominator alike (64 roundings).
+/// Directions that leave the horizon, and weights: with F ≤ 1 a conductor's weight F·G2/G1 and a
+/// Lambert's albedo are in [0, 1], up to the error of the lobe in numerator and denominator alike
+/// (64 roundings).
 #[test]
 fn bsdf_samples_are_finite_and_in_range() {
     let context = context();

@@ -9,7 +9,8 @@ use direkt::low_level::reference::core::frame::frame_from_normal;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
-/// Möller and Trumbore's test, which decides for each triangle on its own: the broken twin of watertightness.
+/// Möller and Trumbore's test, which decides for each triangle on its own: the broken twin of
+/// watertightness.
 const MOLLER_TRUMBORE: &str = "fn leaky(o: vec3f, d: vec3f, a: vec3f, b: vec3f, c: vec3f) -> bool {
     let p = cross(d, c - a);
     let inv = 1.0 / dot(b - a, p);
@@ -22,8 +23,8 @@ fn watertight(o: vec3f, d: vec3f, a: vec3f, b: vec3f, c: vec3f) -> bool {
     return intersect_triangle(ray_frame(Ray(o, d)), a, b, c).inside;
 }";
 
-/// Rays that no triangle of a fan stops: origin, direction, centre and ring of `N` points per item. `closed` fans go all
-/// the way round.
+/// Rays that no triangle of a fan stops: origin, direction, centre and ring of `N` points per item.
+/// `closed` fans go all the way round.
 fn leaks<const N: usize>(
     context: &Context,
     test: &str,
@@ -77,7 +78,8 @@ fn around<const K: usize>(
     })
 }
 
-/// HARD CASES G1: two triangles with an edge in common, aimed at that edge: a ray that misses both has leaked.
+/// HARD CASES G1: two triangles with an edge in common, aimed at that edge: a ray that misses both
+/// has leaked.
 #[test]
 fn triangles_do_not_leak_at_an_edge() {
     let context = context();

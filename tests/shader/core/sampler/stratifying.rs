@@ -76,7 +76,8 @@ fn groups_of_every_sampler_are_bit_identical() {
     }
 }
 
-/// Even and odd samples are replicates of samplers that stratify: the twin's, with seeds of their own.
+/// Even and odd samples are replicates of samplers that stratify: the twin's, with seeds of their
+/// own.
 #[test]
 fn samples_of_every_sampler_are_named_alike() {
     let context = context();
@@ -136,7 +137,8 @@ fn samples_of_every_sampler_are_named_alike() {
     }
 }
 
-/// The 64 samples of a pixel's replicate in each pair of dimensions: one in every cell of an 8 × 8 grid.
+/// The 64 samples of a pixel's replicate in each pair of dimensions: one in every cell of an 8 × 8
+/// grid.
 #[test]
 fn stratified_samplers_fill_the_grid() {
     for sampler in [Sampler::Stratified, Sampler::Sobol, Sampler::BlueNoise] {
@@ -163,7 +165,8 @@ fn stratified_samplers_fill_the_grid() {
     }
 }
 
-/// How samples of a grid lie to each other in one pair of dimensions tells nothing of how they do in another.
+/// How samples of a grid lie to each other in one pair of dimensions tells nothing of how they do
+/// in another.
 #[test]
 fn grids_of_different_pairs_are_shuffled_independently() {
     let numbers = Numbers {
@@ -181,7 +184,8 @@ fn grids_of_different_pairs_are_shuffled_independently() {
         let words = words(id(pixel, index));
         std::array::from_fn(|i| words[i / 4][i % 4] >> 31 == 1)
     };
-    // Which halves two samples of a grid share: 0 or 1 for the columns and the rows of four pairs of dimensions.
+    // Which halves two samples of a grid share: 0 or 1 for the columns and the rows of four pairs
+    // of dimensions.
     let mut random = Random::new(69);
     let mut shared: [Vec<f64>; 8] = Default::default();
     for pixel in 0..1 << 18 {

@@ -79,7 +79,8 @@ fn environment_cell_samples_match_pdf() {
                 let polar = PI / f64::from(grid[1]);
                 1.0 / (width * polar * (1.0 - p.y * p.y).max(1e-18).sqrt())
             })),
-            // The others are about surfaces that reflect, and about choosing among lights and strategies.
+            // The others are about surfaces that reflect, and about choosing among lights and
+            // strategies.
             BrokenTwin::SwappedSinCos
             | BrokenTwin::LightLeftOut
             | BrokenTwin::MisWeights
@@ -90,8 +91,8 @@ fn environment_cell_samples_match_pdf() {
     }
 }
 
-/// Maps of 8 × 6 texels: noise with black texels, also at the poles; one texel a million times as bright as the others,
-/// at a pole and elsewhere.
+/// Maps of 8 × 6 texels: noise with black texels, also at the poles; one texel a million times as
+/// bright as the others, at a pole and elsewhere.
 fn maps() -> Vec<Vec<f32>> {
     let mut random = Random::new(9);
     let noise = (0..48)
@@ -158,8 +159,8 @@ fn environment_samples_match_luminance_and_solid_angle() {
         let mut observed = vec![0; texels.len()];
         for (index, point) in answers.u32(0).zip(answers.vec2(1)) {
             observed[index as usize] += 1;
-            // The sampled direction looks its own cell up again: the cell's corners, sampled and looked up, are off by
-            // 8 and 6 times 20 U. At the pole itself there is no azimuth.
+            // The sampled direction looks its own cell up again: the cell's corners, sampled and
+            // looked up, are off by 8 and 6 times 20 U. At the pole itself there is no azimuth.
             let cell = DVec2::new(f64::from(index % width), f64::from(index / width));
             let off = (point - cell - DVec2::splat(0.5)).abs();
             if point.y == 0.0 || point.y == 6.0 {
@@ -194,7 +195,8 @@ fn environment_samples_match_luminance_and_solid_angle() {
         let brightest = (0..texels.len()).max_by(|&a, &b| weight(a).total_cmp(&weight(b)));
         statistics::reject_broken(&what, |twin| match twin {
             BrokenTwin::PdfScaled => Some(test(normalised(&weight), 1.02)),
-            // In proportion to the luminance alone; where one texel has it all there is no difference.
+            // In proportion to the luminance alone; where one texel has it all there is no
+            // difference.
             BrokenTwin::WrongMeasure if number == 0 => {
                 Some(test(normalised(&|i| f64::from(texels[i])), 1.0))
             }

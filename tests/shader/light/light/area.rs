@@ -126,7 +126,8 @@ fn on_light(geometry: &PrimitiveGeometry, x: DVec3, wi: DVec3) -> OnLight {
     }
 }
 
-/// The direction from `x` to the point of the light with coordinates `p`; the inverse of [`on_light`].
+/// The direction from `x` to the point of the light with coordinates `p`; the inverse of
+/// [`on_light`].
 fn towards(geometry: &PrimitiveGeometry, x: DVec3, p: DVec2) -> DVec3 {
     let point = match *geometry {
         PrimitiveGeometry::Rectangle { a, u, v } => a + p.x * u + p.y * v,
@@ -157,8 +158,8 @@ fn towards(geometry: &PrimitiveGeometry, x: DVec3, p: DVec2) -> DVec3 {
     (point - x).normalize()
 }
 
-/// Directions towards area lights against `pdf_area_light` per solid angle, in coordinates of the light, where no cell
-/// is cut by its edge.
+/// Directions towards area lights against `pdf_area_light` per solid angle, in coordinates of the
+/// light, where no cell is cut by its edge.
 #[test]
 fn directions_towards_area_lights_match_pdf() {
     let prepared = prepared(constant_environment(), LightSampling::Area);
@@ -166,7 +167,8 @@ fn directions_towards_area_lights_match_pdf() {
     assert_eq!(tested, 10, "five kinds");
 }
 
-/// The same where lights are sampled over their solid angles, in one way if they have right angles, in another if not.
+/// The same where lights are sampled over their solid angles, in one way if they have right angles,
+/// in another if not.
 #[test]
 fn directions_over_solid_angles_match_pdf() {
     let mut scene = with_right_angles(every_kind(constant_environment()));
@@ -176,7 +178,8 @@ fn directions_over_solid_angles_match_pdf() {
     assert_eq!(tested, 14, "five kinds, two of them in two ways");
 }
 
-/// Close to ellipsoids, that around their outlines a rectangle is sampled: a round one, a flat one and one like a disk.
+/// Close to ellipsoids, that around their outlines a rectangle is sampled: a round one, a flat one
+/// and one like a disk.
 #[test]
 fn directions_towards_near_ellipsoids_match_pdf() {
     let mut scene = floor_pixel();
@@ -239,7 +242,8 @@ fn directions_match_pdf(
                     }
                 })
                 .collect();
-            // A sphere's back is sampled as well, and nothing arrives from there: the density is that of all samples.
+            // A sphere's back is sampled as well, and nothing arrives from there: the density is
+            // that of all samples.
             let all = DRAWN as f64 / samples.len() as f64;
             let selection = prepared.emitters.probability(index as usize);
             let pdf = |p: DVec2, cosines: f64| {

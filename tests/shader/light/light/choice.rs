@@ -63,8 +63,8 @@ fn lights_are_chosen_as_by_the_twin() {
     }
 }
 
-/// With several shadow rays what stands for a light's probability is how many of them it gets in the mean, whether it is
-/// chosen or has its own.
+/// With several shadow rays what stands for a light's probability is how many of them it gets in
+/// the mean, whether it is chosen or has its own.
 #[test]
 fn several_rays_multiply_the_density() {
     let context = context();

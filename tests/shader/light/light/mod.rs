@@ -88,9 +88,9 @@ fn receivers(prepared: &Prepared, light: &Emitter) -> Vec<DVec3> {
         .into()
 }
 
-/// What rounding does to a sample: to its direction, and relative to its densities. A point on a light is known to
-/// 16 roundings of its coordinates; seen from the distance d that is an angle of twice as much over d; the normal is
-/// known to as many over the sine between the edges, of an
+/// What rounding does to a sample: to its direction, and relative to its densities. A point on a
+/// light is known to 16 roundings of its coordinates; seen from the distance d that is an angle of
+/// twice as much over d; the normal is known to as many over the sine between the edges, of an
 /// ellipsoid times the square of its aspect. All of it over the cosine at the light.
 fn errors(prepared: &Prepared, light: &Emitter, x: DVec3, s: &LightSample) -> (f64, f64) {
     let d = (s.target_point - x).length();
@@ -113,7 +113,8 @@ fn errors(prepared: &Prepared, light: &Emitter, x: DVec3, s: &LightSample) -> (f
             }
         },
         Emitter::Delta(_) | Emitter::Sun(_) => (1.0, 0.0),
-        // Near the poles r = √((1 − y)(1 + y)) amplifies the rounding of y, to q = 8 roundings of 1 − y².
+        // Near the poles r = √((1 − y)(1 + y)) amplifies the rounding of y, to q = 8 roundings of 1
+        // − y².
         Emitter::Environment => {
             let to_map = prepared
                 .data

@@ -181,8 +181,9 @@ fn a_point_at_a_light_receives_nothing() {
     assert!(answers.vec3(6).all(|radiance| radiance == DVec3::ZERO));
 }
 
-/// The density that a sample claims is that with which light sampling is evaluated where its direction ends. Both see
-/// the light from the same point; the ray's point is off by 16 roundings over the cosine, as is the sample's.
+/// The density that a sample claims is that with which light sampling is evaluated where its
+/// direction ends. Both see the light from the same point; the ray's point is off by 16 roundings
+/// over the cosine, as is the sample's.
 #[test]
 fn claimed_densities_are_the_evaluated_ones() {
     let context = context();
@@ -249,8 +250,8 @@ fn claimed_densities_are_the_evaluated_ones() {
         if hidden || at_edge {
             continue;
         }
-        // Near its horizon a sphere is met where the ray's distance from the centre says: an angle moves the cosine by
-        // d/(r cosθ) times as much.
+        // Near its horizon a sphere is met where the ray's distance from the centre says: an angle
+        // moves the cosine by d/(r cosθ) times as much.
         let at_horizon = match light {
             Emitter::Area { primitive, .. } => {
                 let geometry = &prepared.data.primitives[*primitive as usize].geometry;

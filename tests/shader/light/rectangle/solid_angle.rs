@@ -19,7 +19,8 @@ use glam::{DVec2, DVec3};
 const IMPORTS: &str = "import package::light::rectangle::{
     sample_parallelogram_solid_angle, sample_rectangle_solid_angle, spherical_parallelogram, spherical_rectangle};";
 
-/// Solid angle, direction and coordinates; the latter are 0 where the parallelogram is not taken for a rectangle.
+/// Solid angle, direction and coordinates; the latter are 0 where the parallelogram is not taken
+/// for a rectangle.
 fn seen(context: &Context, right_angled: bool, items: &[(Seen, DVec2)]) -> Answers {
     let rectangle =
         "let r = spherical_rectangle(in_vec3f(0u), in_vec3f(3u), in_vec3f(6u), in_vec3f(9u));
@@ -46,9 +47,9 @@ fn seen(context: &Context, right_angled: bool, items: &[(Seen, DVec2)]) -> Answe
     call(context, &function, &inputs.collect::<Vec<_>>())
 }
 
-/// Compares with exact solid angles and with the twin's directions and points, which have to be those of the twin for a
-/// place that rounding does not tell apart. Seven in ten of these bounds are small: 2 % more and
-/// exchanged numbers break them.
+/// Compares with exact solid angles and with the twin's directions and points, which have to be
+/// those of the twin for a place that rounding does not tell apart. Seven in ten of these bounds
+/// are small: 2 % more and exchanged numbers break them.
 fn assert_twins(right_angled: bool, shear: f64, twin: impl Fn(&Seen, DVec2) -> (DVec3, DVec2)) {
     let context = context();
     let items = with_points(&hard_cases(80, shear), 81);
@@ -144,15 +145,17 @@ fn in_its_plane_nothing_is_seen() {
     }
 }
 
-/// A rectangle (right-angled) or another parallelogram, the point's foot and height, as a case of the tests of densities.
+/// A rectangle (right-angled) or another parallelogram, the point's foot and height, as a case of
+/// the tests of densities.
 struct Drawn {
     seen: Seen,
     /// Whether uniform points on it look different from uniform directions to it.
     wide: bool,
 }
 
-/// Seen as a whole, from the side, nearly from within, beside an edge and a corner that the point touches, small, as a
-/// sliver, and at a grazing angle. Parallel to the axes, where rounding moves the point least.
+/// Seen as a whole, from the side, nearly from within, beside an edge and a corner that the point
+/// touches, small, as a sliver, and at a grazing angle. Parallel to the axes, where rounding moves
+/// the point least.
 fn drawn(shear: f64) -> Vec<Drawn> {
     let axes = [DVec3::X, DVec3::Z, -DVec3::Y];
     let case = |kind, (lengths, foot, height): ([f64; 2], [f64; 2], f64), wide| Drawn {
@@ -177,8 +180,8 @@ fn drawn(shear: f64) -> Vec<Drawn> {
     ]
 }
 
-/// p-value of directions being uniform over the solid angle, from where they come from in the unit square.
-/// `density` is theirs there.
+/// p-value of directions being uniform over the solid angle, from where they come from in the unit
+/// square. `density` is theirs there.
 fn uniform(samples: &[DVec2], density: impl Fn(DVec2) -> f64) -> f64 {
     let inside = samples
         .iter()
@@ -188,8 +191,8 @@ fn uniform(samples: &[DVec2], density: impl Fn(DVec2) -> f64) -> f64 {
     histogram::p_value(&inside, DVec2::ZERO, DVec2::ONE, density)
 }
 
-/// 2^20 directions to every rectangle, back in the unit square: first by the exact solid angle on one side of the point,
-/// then by the sine of its elevation in the plane across.
+/// 2^20 directions to every rectangle, back in the unit square: first by the exact solid angle on
+/// one side of the point, then by the sine of its elevation in the plane across.
 #[test]
 fn directions_to_rectangles_match_pdf() {
     let context = context();
@@ -227,8 +230,8 @@ fn directions_to_rectangles_match_pdf() {
     }
 }
 
-/// The same for parallelograms: first by the exact solid angle on one side of the line through the corner, then by the
-/// cosine of the angle to that corner.
+/// The same for parallelograms: first by the exact solid angle on one side of the line through the
+/// corner, then by the cosine of the angle to that corner.
 #[test]
 fn directions_to_parallelograms_match_pdf() {
     let context = context();
@@ -301,7 +304,8 @@ fn assert_uniform(samples: &[DVec2], by_area: Option<impl Fn(DVec2) -> f64>, wha
     statistics::reject_broken(what, |twin| match twin {
         BrokenTwin::PdfScaled => Some(uniform(samples, |_| 1.02)),
         BrokenTwin::WrongMeasure => by_area.as_ref().map(|density| uniform(samples, density)),
-        // The others are about surfaces that reflect, and about choosing among lights and strategies.
+        // The others are about surfaces that reflect, and about choosing among lights and
+        // strategies.
         BrokenTwin::SwappedSinCos
         | BrokenTwin::LightLeftOut
         | BrokenTwin::MisWeights

@@ -9,8 +9,9 @@ use direkt::low_level::reference::light::tree::{choose_tree_light, pdf_tree_ligh
 use direkt::low_level::stats::chi2::{Totals, chi2_test};
 use glam::DVec3;
 
-/// The same light from the same words, with the probability that the query tells of it; and the query's answer for every
-/// light is the twin's, and sums to 1 or, where nothing is lit at the end of the way, less.
+/// The same light from the same words, with the probability that the query tells of it; and the
+/// query's answer for every light is the twin's, and sums to 1 or, where nothing is lit at the end
+/// of the way, less.
 #[test]
 fn choice_and_query_are_the_twins_and_each_others() {
     let context = context();
@@ -115,7 +116,8 @@ fn probabilities_sum_to_one() {
 /// Choices at each place.
 const DRAWN: u32 = 1 << 18;
 
-/// 2¹⁸ choices each from several places, against the probabilities that the twin tells, and those of twins with a mistake.
+/// 2¹⁸ choices each from several places, against the probabilities that the twin tells, and those
+/// of twins with a mistake.
 #[test]
 fn lights_are_chosen_at_their_probability() {
     let context = context();
@@ -194,7 +196,8 @@ fn broken_trees(honest: &LightTree) -> Vec<(&'static str, LightTree)> {
         *trail ^= 1;
     }
     let mut cones = honest.clone();
-    // The axes of all cones turned, as by an octahedral map that swaps its coordinates and forgets a sign.
+    // The axes of all cones turned, as by an octahedral map that swaps its coordinates and forgets
+    // a sign.
     for node in &mut cones.nodes {
         for child in &mut node[..2] {
             child[2] = !child[2].rotate_left(16);

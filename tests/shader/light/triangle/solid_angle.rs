@@ -36,8 +36,8 @@ fn twin(seen: &Seen, u: DVec2) -> DVec3 {
     sample_triangle_solid_angle(&t, u.x * t.solid_angle, u.y)
 }
 
-/// Exact solid angles, and the twin's directions, for a place that rounding does not tell apart. Seven in ten of these
-/// bounds are small: 2 % more and exchanged numbers break them.
+/// Exact solid angles, and the twin's directions, for a place that rounding does not tell apart.
+/// Seven in ten of these bounds are small: 2 % more and exchanged numbers break them.
 #[test]
 fn triangles_are_the_twins() {
     let context = context();
@@ -108,9 +108,9 @@ fn in_its_plane_nothing_is_seen() {
     }
 }
 
-/// 2^20 directions to triangles seen as a whole, from the side, nearly from within, and beside each edge and each vertex;
-/// small, and as a sliver. Back in the unit square: first by the exact solid angle on one side of the line through the
-/// apex, then by the cosine of the angle to it.
+/// 2^20 directions to triangles seen as a whole, from the side, nearly from within, and beside each
+/// edge and each vertex; small, and as a sliver. Back in the unit square: first by the exact solid
+/// angle on one side of the line through the apex, then by the cosine of the angle to it.
 #[test]
 fn directions_to_triangles_match_pdf() {
     let context = context();
@@ -150,7 +150,8 @@ fn directions_to_triangles_match_pdf() {
         statistics::reject_broken(&what, |twin| match twin {
             BrokenTwin::PdfScaled => Some(test(&|_| 1.02)),
             BrokenTwin::WrongMeasure => (index < 2).then(|| test(&by_area)),
-            // The others are about surfaces that reflect, and about choosing among lights and strategies.
+            // The others are about surfaces that reflect, and about choosing among lights and
+            // strategies.
             BrokenTwin::SwappedSinCos
             | BrokenTwin::LightLeftOut
             | BrokenTwin::MisWeights
@@ -161,7 +162,8 @@ fn directions_to_triangles_match_pdf() {
     }
 }
 
-/// Where a direction comes from in the unit square; what rounding moves across its border is moved back.
+/// Where a direction comes from in the unit square; what rounding moves across its border is moved
+/// back.
 fn invert(seen: &Seen, wi: DVec3) -> DVec2 {
     let Seen { x, a, u, v, .. } = *seen;
     let n = u.cross(v);
