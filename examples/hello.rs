@@ -1,5 +1,5 @@
-//! Renders a scene file to a picture and says how right it is: `./lavapipe cargo run --release --example
-//! hello`
+//! Renders a scene file to a picture and says how right it is:
+//! `./lavapipe cargo run --release --example hello`
 
 use direkt::{Error, LoadOptions, Renderer, Scene};
 

@@ -2,6 +2,7 @@
 
 use super::curve::Runs;
 use super::files::saved_name;
+use super::latency::Latency;
 use super::lights::Lights;
 use super::mailbox::{Mailbox, RenderStatus};
 use super::navigation::CameraController;
@@ -9,7 +10,6 @@ use super::picture::{Inspected, Picture};
 use super::request::{Layer, MAX_VIEWS, Method, Pacing, RenderRequest, VIEW_NAMES};
 use super::watch::Watch;
 use super::{Options, canvas, panels, renderer};
-use direkt::low_level::console::say;
 use direkt::low_level::image::png::Display;
 use direkt::scene::normalize::bounds;
 use direkt::scene::{Camera, FilmSize, Scene};
@@ -39,48 +39,74 @@ pub enum Note {
     Problem(String),
 }
 
+/// The scene that is open.
+pub(super) struct OpenScene {
+    /// As its file has it.
+    pub(super) file: Arc<Scene>,
+    /// The same with its lights switched.
+    pub(super) shown: Arc<Scene>,
+    pub(super) lights: Lights,
+}
+
+/// Where the camera is.
+pub(super) struct Navigation {
+    pub(super) controller: CameraController,
+    /// Whether the camera is where the file has it.
+    pub(super) at_home: bool,
+    /// When it, or the size of the image, changed last.
+    moved: Option<Instant>,
+}
+
+/// How two views are compared.
+pub(super) struct ViewComparison {
+    /// The view whose method the controls change.
+    pub(super) edited: usize,
+    pub(super) pacing: Pacing,
+    pub(super) screen: Screen,
+    /// Where the first view ends on screen, in parts of its width.
+    pub(super) split: f32,
+}
+
+/// What of the image is shown, and how.
+pub(super) struct DisplayState {
+    pub(super) layer: Layer,
+    pub(super) mapping: Display,
+    /// Whether the controls are on screen.
+    pub(super) panel: bool,
+}
+
+/// What is asked about.
+#[derive(Default)]
+pub(super) struct Inspection {
+    /// The point, in fractions of the image's width and height.
+    pub(super) at: Option<[f64; 2]>,
+    /// Whether the camera is focused on it.
+    pub(super) focusing: bool,
+    /// Pictures of the densities there, and whose they are.
+    pub(super) densities: Option<(Arc<Inspected>, Vec<[egui::TextureHandle; 2]>)>,
+}
+
 /// The window.
 pub struct App {
     pub(super) options: Options,
     pub(super) mailbox: Arc<Mailbox>,
-    renderer: Option<JoinHandle<()>>,
-    /// The scene as its file has it.
-    pub(super) file: Arc<Scene>,
-    /// The same with its lights switched.
-    pub(super) scene: Arc<Scene>,
-    pub(super) lights: Lights,
-    pub(super) controller: CameraController,
-    /// Whether the camera is where the file has it.
-    pub(super) at_home: bool,
+    render_thread: Option<JoinHandle<()>>,
+    pub(super) scene: OpenScene,
+    pub(super) navigation: Navigation,
     pub(super) film: FilmSize,
     pub(super) methods: Vec<Method>,
-    /// The view whose method the controls change.
-    pub(super) edited: usize,
-    pub(super) pacing: Pacing,
-    pub(super) layer: Layer,
-    pub(super) display: Display,
+    pub(super) comparison: ViewComparison,
+    pub(super) display: DisplayState,
     pub(super) paused: bool,
-    pub(super) inspected: Option<[f64; 2]>,
-    /// Whether what is asked about becomes sharp.
-    pub(super) focusing: bool,
+    pub(super) inspection: Inspection,
     pub(super) status: RenderStatus,
-    /// Pictures of the densities where was clicked, and whose they are.
-    pub(super) densities: Option<(Arc<Inspected>, Vec<[egui::TextureHandle; 2]>)>,
     pub(super) textures: [Option<egui::TextureHandle>; MAX_VIEWS],
     pub(super) runs: Runs,
-    pub(super) screen: Screen,
-    /// Where the first view ends on screen, in parts of its width.
-    pub(super) split: f32,
-    pub(super) panel: bool,
     pub(super) note: Option<Note>,
     pub(super) saving: String,
     pub(super) watch: Watch,
-    moved: Option<Instant>,
     posted: Option<RenderRequest>,
-    /// When requests were posted that have no picture yet.
-    waiting: Vec<Waiting>,
-    /// Frames drawn, since when.
-    frames: (u32, Instant),
+    latency: Latency,
     title: String,
 }
 
@@ -101,42 +127,47 @@ impl App {
         Self {
             watch: Watch::new(options.files.clone(), waker(&creation.egui_ctx)),
             saving: saved_name(&options.path),
+            latency: Latency::new(options.verbose),
             options,
             mailbox,
-            renderer: started.ok(),
-            lights: Lights::of(&scene),
-            controller: CameraController::of(&scene.camera, bounds(&scene.shapes)),
-            file: Arc::clone(&scene),
-            scene,
-            at_home: true,
+            render_thread: started.ok(),
+            navigation: Navigation {
+                controller: CameraController::of(&scene.camera, bounds(&scene.shapes)),
+                at_home: true,
+                moved: None,
+            },
+            scene: OpenScene {
+                lights: Lights::of(&scene),
+                file: Arc::clone(&scene),
+                shown: scene,
+            },
             film,
             methods: vec![method],
-            edited: 0,
-            pacing: Pacing::default(),
-            layer: Layer::default(),
-            display: Display::default(),
+            comparison: ViewComparison {
+                edited: 0,
+                pacing: Pacing::default(),
+                screen: Screen::Split,
+                split: 0.5,
+            },
+            display: DisplayState {
+                layer: Layer::default(),
+                mapping: Display::default(),
+                panel: true,
+            },
             paused: false,
-            inspected: None,
-            focusing: false,
+            inspection: Inspection::default(),
             status: RenderStatus::default(),
-            densities: None,
             textures: Default::default(),
             runs: Runs::default(),
-            screen: Screen::Split,
-            split: 0.5,
-            panel: true,
             note,
-            moved: None,
             posted: None,
-            waiting: Vec::new(),
-            frames: (0, Instant::now()),
             title: String::new(),
         }
     }
 
     /// The view whose method the controls change: that which was chosen, as long as it is there.
     pub(super) fn edited_view(&self) -> usize {
-        self.edited.min(self.methods.len() - 1)
+        self.comparison.edited.min(self.methods.len() - 1)
     }
 
     /// The newest pictures, with the names of their views where there are two.
@@ -151,34 +182,35 @@ impl App {
 
     /// The camera as it stands.
     pub(super) fn camera(&self) -> Camera {
-        let moved = if self.at_home {
+        let moved = if self.navigation.at_home {
             None
         } else {
-            self.controller.camera()
+            self.navigation.controller.camera()
         };
-        moved.unwrap_or(self.file.camera)
+        moved.unwrap_or(self.scene.file.camera)
     }
 
     /// Moves the camera.
     pub(super) fn navigate(&mut self, change: impl FnOnce(&mut CameraController)) {
-        let before = self.controller;
-        change(&mut self.controller);
-        if self.controller.camera().is_none() {
-            self.controller = before;
+        let before = self.navigation.controller;
+        change(&mut self.navigation.controller);
+        if self.navigation.controller.camera().is_none() {
+            self.navigation.controller = before;
         }
-        if self.controller != before {
-            self.at_home = false;
-            self.inspected = None;
-            self.moved = Some(Instant::now());
+        if self.navigation.controller != before {
+            self.navigation.at_home = false;
+            self.inspection.at = None;
+            self.navigation.moved = Some(Instant::now());
         }
     }
 
     /// Moves the camera to where the file has it.
     pub(super) fn go_home(&mut self) {
-        self.controller = CameraController::of(&self.file.camera, bounds(&self.file.shapes));
-        self.at_home = true;
-        self.inspected = None;
-        self.moved = Some(Instant::now());
+        self.navigation.controller =
+            CameraController::of(&self.scene.file.camera, bounds(&self.scene.file.shapes));
+        self.navigation.at_home = true;
+        self.inspection.at = None;
+        self.navigation.moved = Some(Instant::now());
     }
 
     /// Looks at what was asked about, or at everything.
@@ -187,7 +219,7 @@ impl App {
         let surface = inspected.and_then(|i| i.surface.as_ref());
         let around = surface
             .map(|s| s.bounds)
-            .or_else(|| bounds(&self.file.shapes));
+            .or_else(|| bounds(&self.scene.file.shapes));
         let aspect = self.film.aspect();
         if let Some(around) = around {
             self.navigate(|controller| controller.frame(around, aspect));
@@ -203,17 +235,17 @@ impl App {
         };
         if film != self.film {
             self.film = film;
-            self.moved = Some(Instant::now());
+            self.navigation.moved = Some(Instant::now());
         }
     }
 
     /// Applies the switches of the lights.
     pub(super) fn switch_lights(&mut self) {
-        self.scene = if self.lights.are_as_in_file() {
-            Arc::clone(&self.file)
+        self.scene.shown = if self.scene.lights.are_as_in_file() {
+            Arc::clone(&self.scene.file)
         } else {
-            let mut scene = Scene::clone(&self.file);
-            self.lights.apply(&mut scene);
+            let mut scene = Scene::clone(&self.scene.file);
+            self.scene.lights.apply(&mut scene);
             Arc::new(scene)
         };
     }
@@ -230,7 +262,7 @@ impl App {
             if known.is_some_and(|known| Arc::ptr_eq(known, picture)) {
                 continue;
             }
-            self.answered(picture.version);
+            self.latency.answered(picture.version);
             self.runs.enter(picture);
             let image = Arc::clone(&picture.colours);
             let options = if picture.full {
@@ -250,80 +282,50 @@ impl App {
         self.focus();
     }
 
-    /// Tells how long the request `version` waited for its first picture.
-    fn answered(&mut self, version: u64) {
-        let answered = |posted: &Waiting| posted.version <= version;
-        let last = self.waiting.iter().rfind(|p| answered(p)).copied();
-        self.waiting.retain(|p| !answered(p));
-        if let Some(request) = last.filter(|_| self.options.verbose) {
-            let milliseconds = request.posted.elapsed().as_secs_f64() * 1e3;
-            let (version, kind) = (
-                request.version,
-                if request.moving { "moving" } else { "at rest" },
-            );
-            say(format_args!(
-                "direkt: request {version}, {kind}: first picture after {milliseconds:.1} ms"
-            ));
-        }
-    }
-
-    /// Tells about every second how many frames were drawn.
-    fn count_frame(&mut self) {
-        let (frames, since) = &mut self.frames;
-        *frames += 1;
-        let seconds = since.elapsed().as_secs_f64();
-        if seconds >= 1.0 {
-            if self.options.verbose {
-                say(format_args!("direkt: {frames} frames in {seconds:.2} s"));
-            }
-            self.frames = (0, Instant::now());
-        }
-    }
-
     /// Makes sharp what was asked about for that.
     fn focus(&mut self) {
         let inspected = self.status.inspected.as_ref();
-        let answer = inspected.filter(|i| self.focusing && Some(i.at) == self.inspected);
+        let answer =
+            inspected.filter(|i| self.inspection.focusing && Some(i.at) == self.inspection.at);
         let Some(answer) = answer.cloned() else {
             return;
         };
-        self.focusing = false;
+        self.inspection.focusing = false;
         if let Some(surface) = &answer.surface {
             self.navigate(|controller| controller.lens.focus_distance = surface.depth);
-            self.inspected = Some(answer.at);
+            self.inspection.at = Some(answer.at);
         }
     }
 
     /// Posts what is asked for, if that has changed.
     fn post(&mut self, context: &egui::Context) {
-        let settled = self.moved.map(|at| SETTLE.saturating_sub(at.elapsed()));
+        let settled = self
+            .navigation
+            .moved
+            .map(|at| SETTLE.saturating_sub(at.elapsed()));
         let moving = settled.is_some_and(|left| !left.is_zero());
         if let Some(left) = settled.filter(|_| moving) {
             context.request_repaint_after(left);
         } else {
-            self.moved = None;
+            self.navigation.moved = None;
         }
         let request = RenderRequest {
-            scene: Arc::clone(&self.scene),
+            scene: Arc::clone(&self.scene.shown),
             camera: self.camera(),
             film: self.film,
             methods: self.methods.clone(),
-            pacing: self.pacing,
-            layer: self.layer,
-            display: self.display,
+            pacing: self.comparison.pacing,
+            layer: self.display.layer,
+            display: self.display.mapping,
             moving,
             paused: self.paused,
-            inspected: self.inspected,
+            inspected: self.inspection.at,
         };
         if self.posted.as_ref().is_some_and(|old| old.is(&request)) {
             return;
         }
         let version = self.mailbox.post(request.clone());
-        self.waiting.push(Waiting {
-            version,
-            posted: Instant::now(),
-            moving,
-        });
+        self.latency.posted(version, moving);
         self.posted = Some(request);
     }
 
@@ -345,7 +347,7 @@ impl eframe::App for App {
         self.reload();
         self.take_dropped(&context);
         canvas::shortcuts(self, &context);
-        if self.panel {
+        if self.display.panel {
             egui::Panel::right("controls")
                 .exact_size(panels::WIDTH)
                 .show(ui, |ui| panels::show(self, ui));
@@ -353,25 +355,16 @@ impl eframe::App for App {
         egui::CentralPanel::no_frame().show(ui, |ui| canvas::show(self, ui));
         self.post(&context);
         self.retitle(&context);
-        self.count_frame();
+        self.latency.count_frame();
     }
 
     fn on_exit(&mut self) {
         self.mailbox.quit();
-        if let Some(renderer) = self.renderer.take() {
+        if let Some(renderer) = self.render_thread.take() {
             // A renderer that panicked has said so itself.
             let _ = renderer.join();
         }
     }
-}
-
-/// A request without a picture yet.
-#[derive(Debug, Clone, Copy)]
-struct Waiting {
-    version: u64,
-    posted: Instant,
-    /// Whether the camera moves.
-    moving: bool,
 }
 
 /// What another thread calls when there is something new to show.

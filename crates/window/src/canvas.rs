@@ -20,7 +20,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
     let scale = ui.ctx().pixels_per_point();
     app.resize([rect.width() * scale, rect.height() * scale]);
     paint(app, ui, rect);
-    let splits = app.methods.len() > 1 && app.screen == Screen::Split;
+    let splits = app.methods.len() > 1 && app.comparison.screen == Screen::Split;
     if splits && drag_split(app, ui, rect) {
         return;
     }
@@ -31,9 +31,9 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         .filter(|_| response.clicked())
     {
         let part = (at - rect.min) / rect.size();
-        app.inspected = Some([part.x.into(), part.y.into()]);
+        app.inspection.at = Some([part.x.into(), part.y.into()]);
         let focusing = ui.input(|input| input.modifiers.alt);
-        app.focusing = focusing && app.controller.lens.radius > 0.0;
+        app.inspection.focusing = focusing && app.navigation.controller.lens.radius > 0.0;
     }
 }
 
@@ -47,8 +47,8 @@ fn paint(app: &App, ui: &Ui, rect: Rect) {
             clipped.image(texture.id(), rect, uv, Color32::WHITE);
         }
     };
-    let difference = app.layer == Layer::Difference;
-    match app.screen {
+    let difference = app.display.layer == Layer::Difference;
+    match app.comparison.screen {
         Screen::Split if app.methods.len() > 1 && !difference => {
             let x = split_at(app, rect);
             image(0, Rect::from_min_max(rect.min, Pos2::new(x, rect.max.y)));
@@ -74,7 +74,7 @@ fn paint(app: &App, ui: &Ui, rect: Rect) {
         }
         _ => image(0, rect),
     }
-    if let Some([x, y]) = app.inspected {
+    if let Some([x, y]) = app.inspection.at {
         let at = rect.min + rect.size() * Vec2::new(x as f32, y as f32);
         painter.circle_stroke(at, 5.0, (2.5, Color32::BLACK));
         painter.circle_stroke(at, 5.0, (1.0, Color32::WHITE));
@@ -101,7 +101,7 @@ fn caption(app: &App, painter: &egui::Painter, index: usize, at: Pos2, align: eg
 }
 
 fn split_at(app: &App, rect: Rect) -> f32 {
-    rect.min.x + app.split * rect.width()
+    rect.min.x + app.comparison.split * rect.width()
 }
 
 /// Moves the split; whether it has hold of it.
@@ -114,12 +114,12 @@ fn drag_split(app: &mut App, ui: &mut Ui, rect: Rect) -> bool {
         .interact_pointer_pos()
         .filter(|_| response.dragged())
     {
-        app.split = ((at.x - rect.min.x) / rect.width().max(1.0)).clamp(0.0, 1.0);
+        app.comparison.split = ((at.x - rect.min.x) / rect.width().max(1.0)).clamp(0.0, 1.0);
     }
     response.dragged()
 }
 
-/// Pacing, moves and approaches.
+/// Turns, moves and approaches.
 fn drag(app: &mut App, ui: &Ui, response: &egui::Response, rect: Rect) {
     let shift = ui.input(|input| input.modifiers.shift);
     let by = response.drag_delta() / rect.height().max(1.0);
@@ -189,17 +189,17 @@ pub fn shortcuts(app: &mut App, context: &egui::Context) {
         app.paused = !app.paused;
     }
     if pressed(Key::H) {
-        app.panel = !app.panel;
+        app.display.panel = !app.display.panel;
     }
     if pressed(Key::F11) {
         let full = context.input(|input| input.viewport().fullscreen.unwrap_or(false));
         context.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!full));
     }
     if pressed(Key::Escape) {
-        app.inspected = None;
+        app.inspection.at = None;
     }
     if pressed(Key::X) && app.methods.len() > 1 {
-        app.screen = match app.screen {
+        app.comparison.screen = match app.comparison.screen {
             Screen::One(0) => Screen::One(1),
             _ => Screen::One(0),
         };
@@ -217,7 +217,7 @@ pub fn shortcuts(app: &mut App, context: &egui::Context) {
         .zip(Layer::ALL)
     {
         if pressed(key) {
-            app.layer = layer;
+            app.display.layer = layer;
         }
     }
 }

@@ -33,24 +33,24 @@ impl App {
         self.options.files = files;
         let lights = Lights::of(&scene);
         let names = |lights: &Lights| lights.0.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
-        if another || names(&lights) != names(&self.lights) {
-            self.lights = lights;
+        if another || names(&lights) != names(&self.scene.lights) {
+            self.scene.lights = lights;
         }
         if another {
             self.options.path = path.to_path_buf();
             self.saving = saved_name(path);
-            self.screen = Screen::Split;
-            self.edited = 0;
+            self.comparison.screen = Screen::Split;
+            self.comparison.edited = 0;
         }
-        if another || scene.render != self.file.render {
+        if another || scene.render != self.scene.file.render {
             self.methods = vec![Method {
                 settings: scene.render,
                 forced: Vec::new(),
             }];
         }
-        self.file = Arc::new(scene);
+        self.scene.file = Arc::new(scene);
         self.switch_lights();
-        if another || self.at_home {
+        if another || self.navigation.at_home {
             self.go_home();
         }
         let done = if another { "opened" } else { "read again" };
@@ -107,7 +107,7 @@ impl App {
     }
 
     fn shown_view(&self) -> usize {
-        match self.screen {
+        match self.comparison.screen {
             Screen::One(index) if index < self.methods.len() => index,
             _ => self.edited_view(),
         }
@@ -118,7 +118,7 @@ impl App {
         let picture = picture
             .filter(|p| p.full)
             .ok_or_else(|| Error::Usage(format!("{}: there is no image yet", path.display())))?;
-        save::image(path, picture, &self.options.path, &self.display)
+        save::image(path, picture, &self.options.path, &self.display.mapping)
     }
 
     /// What the scene on screen has that its file has not.
@@ -129,8 +129,8 @@ impl App {
             settings.stop.spp = picture.samples.max(1);
         }
         save::Changes {
-            lights: &self.lights,
-            controller: (!self.at_home).then_some(self.controller),
+            lights: &self.scene.lights,
+            controller: (!self.navigation.at_home).then_some(self.navigation.controller),
             film: self.film,
             settings,
         }

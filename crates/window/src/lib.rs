@@ -12,6 +12,7 @@ mod canvas;
 mod curve;
 mod density;
 mod files;
+mod latency;
 mod lights;
 mod mailbox;
 mod navigation;

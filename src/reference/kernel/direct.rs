@@ -60,7 +60,7 @@ pub struct Direct<'a> {
 
 impl<'a> Direct<'a> {
     /// The estimator for an image of `size` pixels; `broken` makes one mistake.
-    pub(in crate::low_level::reference) fn new(
+    pub(crate) fn new(
         prepared: &'a Prepared,
         size: FilmSize,
         seed: u32,

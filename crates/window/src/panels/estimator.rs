@@ -18,7 +18,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         }
         if app.methods.len() > 1 {
             for (view, name) in VIEW_NAMES.into_iter().enumerate() {
-                ui.selectable_value(&mut app.edited, view, name);
+                ui.selectable_value(&mut app.comparison.edited, view, name);
             }
         }
     });

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Shows the pixel that was clicked.
 pub fn show(app: &mut App, ui: &mut Ui) {
-    let Some(at) = app.inspected else {
+    let Some(at) = app.inspection.at else {
         ui.weak("Click on the image.");
         return;
     };
@@ -31,7 +31,7 @@ fn densities(app: &mut App, ui: &mut Ui) {
         return;
     };
     let same = |known: &(Arc<Inspected>, _)| Arc::ptr_eq(&known.0, &inspected);
-    if !app.densities.as_ref().is_some_and(same) {
+    if !app.inspection.densities.as_ref().is_some_and(same) {
         let load = |values: &[f64], most: f64, name: &str| {
             let colours = values.iter().map(|v| {
                 let [r, g, b] = heat(v / most);
@@ -45,9 +45,9 @@ fn densities(app: &mut App, ui: &mut Ui) {
             [&density.expected, &density.observed].map(|values| load(values, most, density.sampler))
         });
         let pictures = pictures.collect();
-        app.densities = Some((Arc::clone(&inspected), pictures));
+        app.inspection.densities = Some((Arc::clone(&inspected), pictures));
     }
-    let Some((_, pictures)) = &app.densities else {
+    let Some((_, pictures)) = &app.inspection.densities else {
         return;
     };
     for (density, pictures) in surface.densities.iter().zip(pictures) {

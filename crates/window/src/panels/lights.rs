@@ -5,7 +5,7 @@ use eframe::egui::{DragValue, ScrollArea, Ui};
 
 /// Shows the lights with their switches.
 pub fn show(app: &mut App, ui: &mut Ui) {
-    let before = app.lights.clone();
+    let before = app.scene.lights.clone();
     if before.0.is_empty() {
         ui.weak("The scene has none.");
         return;
@@ -15,7 +15,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         .max_height(200.0)
         .id_salt("lights")
         .show_rows(ui, height, before.0.len(), |ui, rows| {
-            for light in &mut app.lights.0[rows] {
+            for light in &mut app.scene.lights.0[rows] {
                 ui.horizontal_wrapped(|ui| {
                     ui.toggle_value(&mut light.solo, "S")
                         .on_hover_text("solo: only such lights shine");
@@ -26,7 +26,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
                 });
             }
         });
-    if app.lights != before {
+    if app.scene.lights != before {
         app.switch_lights();
     }
 }

@@ -67,9 +67,9 @@ where
 pub fn compare(app: &mut App, begin: bool) {
     if !begin {
         app.methods.truncate(1);
-        app.edited = 0;
-        if app.layer == Layer::Difference {
-            app.layer = Layer::Radiance;
+        app.comparison.edited = 0;
+        if app.display.layer == Layer::Difference {
+            app.display.layer = Layer::Radiance;
         }
         return;
     }
@@ -86,8 +86,8 @@ pub fn compare(app: &mut App, begin: bool) {
     };
     app.methods.truncate(1);
     app.methods.push(second);
-    app.screen = Screen::Split;
-    app.edited = 1;
+    app.comparison.screen = Screen::Split;
+    app.comparison.edited = 1;
 }
 
 /// Goes `step` strategies on in the view that is edited.
@@ -103,20 +103,20 @@ fn view(app: &mut App, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         for (layer, name) in Layer::ALL {
             let possible = layer != Layer::Difference || app.methods.len() > 1;
-            let label = egui::Button::selectable(app.layer == layer, name);
+            let label = egui::Button::selectable(app.display.layer == layer, name);
             let response = ui.add_enabled(possible, label);
             let response =
                 response.on_disabled_hover_text("compare two methods to see their difference");
             if response.clicked() {
-                app.layer = layer;
+                app.display.layer = layer;
             }
         }
     });
-    match app.layer {
+    match app.display.layer {
         Layer::Radiance => {
-            let exposure = egui::Slider::new(&mut app.display.exposure, -10.0..=10.0);
+            let exposure = egui::Slider::new(&mut app.display.mapping.exposure, -10.0..=10.0);
             ui.add(exposure.text("exposure, stops").fixed_decimals(1));
-            choice::<ToneMapper>(ui, "tone mapper", &mut app.display.tone);
+            choice::<ToneMapper>(ui, "tone mapper", &mut app.display.mapping.tone);
         }
         Layer::StandardError => {
             ui.label("From dark, 0.3 % of the pixel's value, to light, 100 %.");
@@ -135,15 +135,15 @@ fn view(app: &mut App, ui: &mut Ui) {
     if app.methods.len() > 1 {
         ui.horizontal_wrapped(|ui| {
             ui.label("at equal");
-            ui.selectable_value(&mut app.pacing, Pacing::EqualTime, "time")
+            ui.selectable_value(&mut app.comparison.pacing, Pacing::EqualTime, "time")
                 .on_hover_text("next is the one that has rendered for less time");
-            ui.selectable_value(&mut app.pacing, Pacing::EqualSamples, "samples")
+            ui.selectable_value(&mut app.comparison.pacing, Pacing::EqualSamples, "samples")
                 .on_hover_text("next is the one that has fewer samples");
         });
         ui.horizontal_wrapped(|ui| {
-            ui.selectable_value(&mut app.screen, Screen::Split, "split");
+            ui.selectable_value(&mut app.comparison.screen, Screen::Split, "split");
             for (view, name) in VIEW_NAMES.into_iter().enumerate() {
-                ui.selectable_value(&mut app.screen, Screen::One(view), name);
+                ui.selectable_value(&mut app.comparison.screen, Screen::One(view), name);
             }
         });
     }
@@ -163,11 +163,11 @@ fn view(app: &mut App, ui: &mut Ui) {
 }
 
 fn lens(app: &mut App, ui: &mut Ui) {
-    if app.file.camera.lens.radius <= 0.0 {
+    if app.scene.file.camera.lens.radius <= 0.0 {
         return;
     }
     ui.horizontal_wrapped(|ui| {
-        let mut lens = app.controller.lens;
+        let mut lens = app.navigation.controller.lens;
         let speed = 0.01 * lens.focus_distance;
         let sharp = egui::DragValue::new(&mut lens.focus_distance);
         ui.add(sharp.speed(speed).range(1e-9..=1e9).prefix("sharp at "));
