@@ -142,7 +142,7 @@ pub fn number(x: f64) -> String {
 /// `text` with `1e300` in place of a 1 and 300 zeros, which is how Rust writes that number. What is
 /// quoted stays.
 fn with_powers_of_ten(text: &str) -> String {
-    /// More digits than any number has that is written without need of a power.
+    /// More digits than any number has that is written without a power.
     const MANY: usize = 22;
     let is_part = |c: char| c.is_ascii_digit() || c == '.';
     let (mut out, mut rest, mut quoted) = (String::with_capacity(text.len()), text, false);

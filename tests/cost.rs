@@ -9,7 +9,7 @@ use direkt_instruments::report::write;
 use std::cell::Cell;
 
 /// The cost of estimators, stopped as soon as the progress says `at`.
-fn stopped_at(at: &str, strategies: &[Strategy]) -> Option<SceneCost> {
+fn stopped_at(at: &str, strategies: &[Strategy], budget: f64) -> Option<SceneCost> {
     let mut cornell = scene("scenes/cornell.toml");
     cornell.film = FilmSize {
         width: 24,
@@ -21,7 +21,7 @@ fn stopped_at(at: &str, strategies: &[Strategy]) -> Option<SceneCost> {
             samplers: vec![Sampler::Sobol],
             ..Choices::of(&RenderSettings::default())
         }),
-        budget: 1.0,
+        budget,
         target: 1e-3,
         reference: None,
         seed: 1,
@@ -44,7 +44,7 @@ fn without_the_least_counts_there_is_no_result() {
         "4 samples per pixel",
     ] {
         assert!(
-            stopped_at(at, &[Strategy::LightArea]).is_none(),
+            stopped_at(at, &[Strategy::LightArea], 60.0).is_none(),
             "stopped at `{at}`"
         );
     }
@@ -54,7 +54,7 @@ fn without_the_least_counts_there_is_no_result() {
 #[test]
 fn a_stopped_measurement_tells_what_it_has() {
     let two = [Strategy::LightArea, Strategy::Bsdf];
-    let cost = stopped_at("8 samples per pixel", &two).unwrap();
+    let cost = stopped_at("8 samples per pixel", &two, 1.0).unwrap();
     assert!(cost.interrupted && cost.seconds < cost.budget);
     for e in &cost.estimators {
         let samples: Vec<u64> = e.points.iter().map(|p| p.samples).collect();
@@ -73,7 +73,7 @@ fn a_stopped_measurement_tells_what_it_has() {
     assert!(page.contains("<b>interrupted</b> before the 1.00 s that were allowed"));
     assert!(!page.contains("Where the error is") && !page.contains("<img"));
 
-    let cost = stopped_at("images at equal time", &two).unwrap();
+    let cost = stopped_at("images at equal time", &two, 1.0).unwrap();
     assert!(cost.interrupted);
     assert!(
         cost.estimators
@@ -81,7 +81,7 @@ fn a_stopped_measurement_tells_what_it_has() {
             .all(|e| e.points.len() > 3 && e.equal_time.is_none())
     );
 
-    let cost = stopped_at("never", &two).unwrap();
+    let cost = stopped_at("never", &two, 1.0).unwrap();
     assert!(!cost.interrupted);
     assert!(cost.estimators.iter().all(|e| e.equal_time.is_some()));
 }

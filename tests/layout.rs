@@ -2,7 +2,9 @@
 //! reflection.
 
 use direkt::low_level::gpu::layout::{
-    self, Dispatch, FeatureSums, Frame, PixelState, SampleRecord, SurfaceRecord,
+    self, BvhUniform, CameraUniform, Dispatch, EnvironmentUniform, FeatureSums, FilmUniform, Frame,
+    LightTreeUniform, LightsUniform, PatternsUniform, PixelState, SampleRecord, ShadowUniform,
+    SurfaceRecord,
 };
 use direkt::low_level::gpu::shader::{KernelConstants, link_with};
 use direkt_instruments::lab::layout::{LabBlock, LabRun};
@@ -24,8 +26,8 @@ fn reflected() -> naga::Module {
                @group(0) @binding(4) var<storage, read_write> sums: FeatureSums;\n\
                @group(0) @binding(5) var<storage, read_write> surface: SurfaceRecord;\n\
                @compute @workgroup_size(1) fn main() {\n\
-               frame.width = work.first_tile + state.samples + record.shadow + sums.samples + surface.primitive;\n";
-    source += &format!("frame.height = {};\n}}\n", names.join(" + "));
+               frame.film.width = work.first_tile + state.samples + record.shadow + sums.samples + surface.primitive;\n";
+    source += &format!("frame.film.height = {};\n}}\n", names.join(" + "));
     let wgsl = link_with("test_layout", Some(&source), [], KernelConstants::default()).unwrap();
     naga::front::wgsl::parse_str(&wgsl).unwrap()
 }
@@ -74,53 +76,114 @@ fn check(module: &naga::Module, name: &str, host_size: usize, host: &[Member]) {
 #[test]
 fn structs_have_the_same_members() {
     let module = reflected();
-    let frame = members!(Frame {
+    let camera = members!(CameraUniform {
         eye,
-        width,
+        near_plane,
         right,
-        height,
+        near_lens,
         up,
-        seed,
+        inverse_focus_distance,
         forward,
+        orthographic,
+        lens_right,
+        max_specular_depth,
+        lens_up,
+        padding
+    });
+    check(
+        &module,
+        "CameraUniform",
+        size_of::<CameraUniform>(),
+        &camera,
+    );
+    let film = members!(FilmUniform {
+        width,
+        height,
         tiles_per_row,
+        filter_cell,
+        filter_knots
+    });
+    check(&module, "FilmUniform", size_of::<FilmUniform>(), &film);
+    let bvh = members!(BvhUniform {
         grid_origin,
         root,
         grid_scale,
-        light_count,
-        environment_x,
-        environment_width,
-        environment_y,
-        environment_height,
-        environment_z,
-        environment_samples,
-        environment_radiance,
-        far,
-        environment_grid,
-        pattern,
-        light_pattern,
-        shadow_rays,
-        shadow_columns,
-        shadow_steps,
-        max_specular_depth,
-        filter_cell,
-        light_grid_origin,
-        tree_nodes,
-        light_grid_step,
-        infinite_lights,
-        lens_right,
-        inverse_focus_distance,
-        lens_up,
-        orthographic,
-        filter_knots,
+        logarithmic_grid
+    });
+    check(&module, "BvhUniform", size_of::<BvhUniform>(), &bvh);
+    let environment = members!(EnvironmentUniform {
+        x,
+        width,
+        y,
+        height,
+        z,
+        samples,
+        radiance,
+        linear,
+        grid,
+        padding
+    });
+    check(
+        &module,
+        "EnvironmentUniform",
+        size_of::<EnvironmentUniform>(),
+        &environment,
+    );
+    let light_tree = members!(LightTreeUniform {
+        grid_origin,
+        nodes,
+        grid_step,
+        infinite_lights
+    });
+    check(
+        &module,
+        "LightTreeUniform",
+        size_of::<LightTreeUniform>(),
+        &light_tree,
+    );
+    let lights = members!(LightsUniform {
+        count,
         first_sun,
         suns,
-        environment_linear,
         first_emission,
-        near_plane,
-        near_lens,
-        logarithmic_grid,
-        padding,
-        light_boxes,
+        boxes
+    });
+    check(
+        &module,
+        "LightsUniform",
+        size_of::<LightsUniform>(),
+        &lights,
+    );
+    let patterns = members!(PatternsUniform { pixel, light });
+    check(
+        &module,
+        "PatternsUniform",
+        size_of::<PatternsUniform>(),
+        &patterns,
+    );
+    let shadow = members!(ShadowUniform {
+        rays,
+        columns,
+        steps
+    });
+    check(
+        &module,
+        "ShadowUniform",
+        size_of::<ShadowUniform>(),
+        &shadow,
+    );
+    let frame = members!(Frame {
+        camera,
+        film,
+        bvh,
+        environment,
+        light_tree,
+        lights,
+        patterns,
+        shadow,
+        seed,
+        far,
+        padding
     });
     let dispatch = members!(Dispatch {
         block_start,

@@ -11,12 +11,13 @@ mod rules;
 
 use crate::accel::PrimitiveGeometry as Shape;
 use crate::emitters::Emitter;
-use crate::scene::{Light, Sampler, ShadowPattern, Strategy};
+use crate::scene::settings::{DirectionSampling, Heuristic};
+use crate::scene::{Light, Sampler, ShadowPattern};
 pub use rules::EffectQuery;
 use rules::Rules;
 use std::collections::BTreeMap;
 
-/// What an effect that is compiled in without need does to an image.
+/// What an unneeded effect does to an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     /// Nothing, bit for bit.
@@ -182,15 +183,15 @@ effects! {
     /// that come near a surface that emits.
     EscapingRays "ESCAPING_RAYS" "escaping-rays" Simulation |r| r.escaping_rays();
     /// Directions are chosen uniformly over the hemisphere.
-    UniformHemisphere "HEMISPHERE_UNIFORM" "uniform-hemisphere" Sampling |r| r.directions(Strategy::UniformHemisphere);
+    UniformHemisphere "HEMISPHERE_UNIFORM" "uniform-hemisphere" Sampling |r| r.directions(DirectionSampling::UniformHemisphere);
     /// Directions are chosen in proportion to the cosine.
-    CosineHemisphere "HEMISPHERE_COSINE" "cosine-hemisphere" Sampling |r| r.directions(Strategy::CosineHemisphere);
+    CosineHemisphere "HEMISPHERE_COSINE" "cosine-hemisphere" Sampling |r| r.directions(DirectionSampling::CosineHemisphere);
     /// Lights are sampled over the solid angle in which they are seen.
     SolidAngleLights "LIGHT_SOLID_ANGLE" "solid-angle-sampling" Sampling |r| r.solid_angle_sampling();
     /// Polygon lights are sampled over their projected solid angles.
     ProjectedLights "LIGHT_PROJECTED" "projected-solid-angle-sampling" Sampling |r| r.projected_sampling();
     /// Strategies are weighted by the balance heuristic.
-    BalanceHeuristic "MIS_BALANCE" "balance-heuristic" Sampling |r| r.directions(Strategy::MisBalance);
+    BalanceHeuristic "MIS_BALANCE" "balance-heuristic" Sampling |r| r.heuristic(Heuristic::Balance);
     /// Random numbers on jittered grids.
     StratifiedSampler "SAMPLER_STRATIFIED" "stratified-sampler" Sampling |r| r.sampler(Sampler::Stratified);
     /// Random numbers by Sobol's sequence.

@@ -5,9 +5,10 @@ use crate::accel::{Attributed, Attributes, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Emitters, Selection};
 use crate::scene::environment::Interpolation;
 use crate::scene::material::Fresnel;
+use crate::scene::settings::{DirectionSampling, Heuristic, Techniques};
 use crate::scene::{
     Camera, EnvironmentMap, EnvironmentRadiance, LightSampling, Material, MaterialTextures,
-    RenderSettings, Sampler, Scene, ShadowPattern, Strategy, TextureUse,
+    RenderSettings, Sampler, Scene, ShadowPattern, TextureUse,
 };
 use std::ops::Deref;
 
@@ -322,7 +323,7 @@ impl Rules<'_> {
 
     pub(super) fn light_sampling(&self) -> Option<String> {
         self.emitters.selection.as_ref()?;
-        Some(if self.settings.estimator.strategy.samples_lights() {
+        Some(if self.techniques().lights.is_some() {
             self.by_strategy()
         } else {
             "lights without a surface, which no other strategy reaches".to_owned()
@@ -336,23 +337,27 @@ impl Rules<'_> {
     pub(super) fn bsdf_sampling(&self) -> Option<String> {
         let can_be_hit = [Effect::AreaLights, Effect::Suns, Effect::Environment];
         let reachable = can_be_hit.into_iter().any(|effect| self.has(effect));
-        (self.settings.estimator.strategy.samples_directions() && reachable)
-            .then(|| self.by_strategy())
+        (self.techniques().directions.is_some() && reachable).then(|| self.by_strategy())
     }
 
-    /// What `strategy` alone does with sampled directions.
-    pub(super) fn directions(&self, strategy: Strategy) -> Option<String> {
-        (self.has(Effect::SampleBsdf) && self.settings.estimator.strategy == strategy)
-            .then(|| self.by_strategy())
+    pub(super) fn directions(&self, sampling: DirectionSampling) -> Option<String> {
+        let asked = self.techniques().directions == Some(sampling);
+        (self.has(Effect::SampleBsdf) && asked).then(|| self.by_strategy())
     }
 
+    pub(super) fn heuristic(&self, heuristic: Heuristic) -> Option<String> {
+        let asked = self.techniques().heuristic == Some(heuristic);
+        (self.has(Effect::SampleBsdf) && asked).then(|| self.by_strategy())
+    }
+
+    fn techniques(&self) -> Techniques {
+        self.settings.estimator.techniques()
+    }
+
+    /// How points of lights are sampled: also where no light with a surface is.
     fn sampling_of_lights(&self) -> LightSampling {
-        match self.settings.estimator.strategy {
-            Strategy::LightArea => LightSampling::Area,
-            Strategy::LightSolidAngle => LightSampling::SolidAngle,
-            Strategy::LightProjectedSolidAngle => LightSampling::ProjectedSolidAngle,
-            _ => self.settings.estimator.light_sampling,
-        }
+        let estimator = &self.settings.estimator;
+        self.techniques().lights.unwrap_or(estimator.light_sampling)
     }
 
     pub(super) fn solid_angle_sampling(&self) -> Option<String> {

@@ -180,7 +180,7 @@ impl Emitters {
         }
     }
 
-    /// Probability with which a light sample is one of light `index`: with a tree in the mean over
+    /// Probability with which a light sample is one of light `index`: with a tree averaged over
     /// surfaces, 1 where every light has its own.
     pub fn probability(&self, index: usize) -> f64 {
         self.selection
@@ -188,7 +188,7 @@ impl Emitters {
             .map_or(0.0, |selection| selection.probability(index))
     }
 
-    /// Light samples of a camera ray that go to light `index`, in the mean: n·p, which is what
+    /// Light samples of a camera ray that go to light `index`, on average: n·p, which is what
     /// multiplies the density of light sampling when several samples are taken (Veach 1997, eq.
     /// 9.8). `rays` is the number of shadow rays. Where every light has its own, those without
     /// extent have one: a second would be the same.

@@ -27,7 +27,7 @@ impl Selection {
         sampled.contains(&true).then_some(Self::All(sampled))
     }
 
-    /// Probability with which a sample is one of light `index`: with a tree in the mean over
+    /// Probability with which a sample is one of light `index`: with a tree averaged over
     /// surfaces, 1 where every light has its own.
     pub fn probability(&self, index: usize) -> f64 {
         match self {

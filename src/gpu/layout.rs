@@ -5,107 +5,178 @@ use crate::accel::{MAX_LIGHT_BOXES, attributes};
 use crate::scene::Light;
 use bytemuck::{Pod, Zeroable};
 
-/// `Frame` of `shaders/types.wesl`: what stays the same for a whole render.
+/// `CameraUniform` of `shaders/types.wesl`. The camera. Space: the normalised scene (see
+/// `scene::normalize`).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Frame {
-    /// Centre of projection.
+pub struct CameraUniform {
+    /// Centre of projection; of a distant camera, a point on its near plane.
     pub eye: [f32; 3],
-    /// Pixels per row.
-    pub width: u32,
+    /// Distance from the eye of the plane on which the rays of a distant camera begin, along the
+    /// viewing direction; else 0.
+    pub near_plane: f32,
     /// Half the image plane's width at distance 1, to the right.
     pub right: [f32; 3],
-    /// Rows.
-    pub height: u32,
+    /// Size of the lens's image on the near plane: 1 where there is none.
+    pub near_lens: f32,
     /// Half the image plane's height at distance 1, upwards.
     pub up: [f32; 3],
-    /// Seed of the random numbers.
-    pub seed: u32,
+    /// One over the distance of the plane that is sharp.
+    pub inverse_focus_distance: f32,
     /// Unit viewing direction.
     pub forward: [f32; 3],
+    /// 1 where the camera is orthographic: `right` and `up` are then half the size of what is seen.
+    pub orthographic: u32,
+    /// Radius of the lens, to the right.
+    pub lens_right: [f32; 3],
+    /// Most specular surfaces that a camera ray goes on from.
+    pub max_specular_depth: u32,
+    /// Radius of the lens, upwards.
+    pub lens_up: [f32; 3],
+    /// Unused.
+    pub padding: u32,
+}
+
+/// `FilmUniform` of `shaders/types.wesl`. The image and its reconstruction filter.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct FilmUniform {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
     /// 8 × 8 tiles per row of tiles.
     pub tiles_per_row: u32,
-    /// Lower corner of the BVH's grid.
+    /// Width of a cell of the pixel filter's table, in pixels.
+    pub filter_cell: f32,
+    /// The pixel filter's table, two ends of cells per word: see `shaders/kernel/filter.wesl`.
+    pub filter_knots: [[f32; 4]; FILTER_WORDS],
+}
+
+/// `BvhUniform` of `shaders/types.wesl`. The hierarchy and the grid on which its boxes lie.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct BvhUniform {
+    /// Lower corner of the grid.
     pub grid_origin: [f32; 3],
-    /// Reference to the BVH's root.
+    /// Reference to the root.
     pub root: u32,
     /// Grid cells per unit length.
     pub grid_scale: [f32; 3],
-    /// Number of lights.
-    pub light_count: u32,
-    /// First row of the rotation from world space to the environment map's space.
-    pub environment_x: [f32; 3],
-    /// Texels per row of the environment map.
-    pub environment_width: u32,
+    /// 1 where the grid is logarithmic.
+    pub logarithmic_grid: u32,
+}
+
+/// `EnvironmentUniform` of `shaders/types.wesl`. The environment.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct EnvironmentUniform {
+    /// First row of the rotation from world space to the map's space.
+    pub x: [f32; 3],
+    /// Texels per row of the map; 0 where there is none.
+    pub width: u32,
     /// Second row.
-    pub environment_y: [f32; 3],
-    /// Rows of the environment map.
-    pub environment_height: u32,
+    pub y: [f32; 3],
+    /// Rows of the map.
+    pub height: u32,
     /// Third row.
-    pub environment_z: [f32; 3],
-    /// Expected samples of the environment per camera ray.
-    pub environment_samples: f32,
+    pub z: [f32; 3],
+    /// Expected samples per camera ray; see `Light` of `shaders/scene/fetch.wesl`.
+    pub samples: f32,
     /// Constant radiance, or the factor on the map's.
-    pub environment_radiance: [f32; 3],
-    /// Length beyond everything in the scene.
-    pub far: f32,
-    /// Cells of the environment's sampling grid per row and column.
-    pub environment_grid: [u32; 2],
-    /// Of the sampler: logarithms of the jittered grid's columns and rows, or of the samples per
-    /// pixel.
-    pub pattern: [u32; 2],
-    /// The same for the light samples of a pixel.
-    pub light_pattern: [u32; 2],
-    /// Shadow rays per camera ray, with light selection `all` per light.
-    pub shadow_rays: u32,
-    /// Columns of the grid that their points lie on.
-    pub shadow_columns: u32,
-    /// What a ray's words for light and environment texel are ahead of the ray's before.
-    pub shadow_steps: [u32; 2],
-    /// Most specular surfaces that a camera ray goes on from.
-    pub max_specular_depth: u32,
-    /// Width of a cell of the pixel filter's table, in pixels.
-    pub filter_cell: f32,
-    /// Lower corner of the grid on which the light tree's spheres lie.
-    pub light_grid_origin: [f32; 3],
-    /// Nodes of the light tree.
-    pub tree_nodes: u32,
+    pub radiance: [f32; 3],
+    /// 1 where the map is interpolated between its texels.
+    pub linear: u32,
+    /// Texels of the sampling grid per row and column: the map's, or blocks of its texels.
+    pub grid: [u32; 2],
+    /// Unused.
+    pub padding: [u32; 2],
+}
+
+/// `LightTreeUniform` of `shaders/types.wesl`. The light tree.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LightTreeUniform {
+    /// Lower corner of the grid on which its spheres lie.
+    pub grid_origin: [f32; 3],
+    /// Number of nodes.
+    pub nodes: u32,
     /// Size of the grid's cells.
-    pub light_grid_step: [f32; 3],
-    /// Sampled lights that the light tree leaves out.
+    pub grid_step: [f32; 3],
+    /// Sampled lights that the tree leaves out.
     pub infinite_lights: u32,
-    /// Radius of the lens, to the right.
-    pub lens_right: [f32; 3],
-    /// One over the distance of the plane that is sharp.
-    pub inverse_focus_distance: f32,
-    /// Radius of the lens, upwards.
-    pub lens_up: [f32; 3],
-    /// 1 where the camera is orthographic.
-    pub orthographic: u32,
-    /// The pixel filter's table, two ends of cells per word.
-    pub filter_knots: [[f32; 4]; FILTER_WORDS],
+}
+
+/// `LightsUniform` of `shaders/types.wesl`. The lights.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LightsUniform {
+    /// Number of lights.
+    pub count: u32,
     /// Index of the first sun.
     pub first_sun: u32,
     /// Number of suns.
     pub suns: u32,
-    /// 1 where the environment map is interpolated between its texels.
-    pub environment_linear: u32,
     /// Word of the lights at which the maps of emission begin.
     pub first_emission: u32,
-    /// Distance from the eye of the plane on which the rays of a distant camera begin; `eye` lies
-    /// on it.
-    pub near_plane: f32,
-    /// Size of the lens's image on that plane.
-    pub near_lens: f32,
-    /// 1 where the BVH's boxes lie on a logarithmic grid.
-    pub logarithmic_grid: u32,
-    /// Unused.
-    pub padding: u32,
     /// Boxes around the primitives that emit, as in a node of the BVH; the fourth word is unused.
-    pub light_boxes: [[u32; 4]; MAX_LIGHT_BOXES],
+    pub boxes: [[u32; 4]; MAX_LIGHT_BOXES],
 }
 
-/// Words of [`Frame::filter_knots`].
+/// `PatternsUniform` of `shaders/types.wesl`. The sampler's patterns: logarithms of the jittered
+/// grid's columns and rows, or of the samples per pixel.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PatternsUniform {
+    /// For the samples of a pixel.
+    pub pixel: [u32; 2],
+    /// For the light samples of a pixel, where a sample of it has several.
+    pub light: [u32; 2],
+}
+
+/// `ShadowUniform` of `shaders/types.wesl`. Shadow rays.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct ShadowUniform {
+    /// Per camera ray; with light selection `all` per light.
+    pub rays: u32,
+    /// Columns of the grid that their points lie on.
+    pub columns: u32,
+    /// Lattice step from one shadow ray to the next, in units of 2⁻³²: for the choice of the light
+    /// and of the environment's texel.
+    pub steps: [u32; 2],
+}
+
+/// `Frame` of `shaders/types.wesl`: what stays the same for a whole render.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Frame {
+    /// The camera. Space: the normalised scene (see `scene::normalize`).
+    pub camera: CameraUniform,
+    /// The image and its reconstruction filter.
+    pub film: FilmUniform,
+    /// The hierarchy and the grid on which its boxes lie.
+    pub bvh: BvhUniform,
+    /// The environment.
+    pub environment: EnvironmentUniform,
+    /// The light tree.
+    pub light_tree: LightTreeUniform,
+    /// The lights.
+    pub lights: LightsUniform,
+    /// The sampler's patterns: logarithms of the jittered grid's columns and rows, or of the
+    /// samples per pixel.
+    pub patterns: PatternsUniform,
+    /// Shadow rays.
+    pub shadow: ShadowUniform,
+    /// Seed of the random numbers.
+    pub seed: u32,
+    /// Length beyond everything in the scene, for shadow rays to infinitely distant lights.
+    pub far: f32,
+    /// Unused.
+    pub padding: [u32; 2],
+}
+
+/// Words of [`FilmUniform::filter_knots`].
 pub const FILTER_WORDS: usize = (FILTER_CELLS as usize + 1).div_ceil(2);
 
 /// `Dispatch` of `shaders/types.wesl`: what changes from dispatch to dispatch.

@@ -139,7 +139,7 @@ impl Prepared {
         ShadowGrid::new(self.shadow_rays())
     }
 
-    /// Light samples of a camera ray that go to light `index`, in the mean; see
+    /// Light samples of a camera ray that go to light `index`, on average; see
     /// [`Emitters::samples`].
     pub fn light_samples(&self, index: usize) -> f64 {
         self.emitters.samples(index, self.shadow_rays())

@@ -1,7 +1,7 @@
 //! What the GPU is held against: the estimator in f64, and exact answers.
 //!
 //! - The *twin*, [`Twin`], mirrors each file and function of `shaders/` in f64. Fed the same random
-//!   integers it must agree sample by sample; fed others, in the mean. It has its own hierarchy and
+//!   integers it must agree sample by sample; fed others, on average. It has its own hierarchy and
 //!   its own ray–primitive tests, and writes densities as the papers do.
 //! - [`broken`]: twins with one mistake each, which every check has to reject.
 //! - [`exact`]: closed forms and quadrature with an error bound.

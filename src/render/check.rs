@@ -62,7 +62,7 @@ pub struct Failure {
     pub expected: f64,
     /// Standard error of `found`.
     pub standard_error: f64,
-    /// Samples of the pixel; of the image's mean, those of a pixel on the average.
+    /// Samples of the pixel; of the image's mean, those of a pixel on average.
     pub samples: u64,
     /// The largest difference that would have been accepted.
     pub bound: f64,
@@ -72,7 +72,7 @@ impl Check {
     /// Compares `film` with `expect`.
     ///
     /// # Errors
-    /// [`Error::Usage`] when pixels have fewer than [`MIN_SAMPLES`] samples on the average.
+    /// [`Error::Usage`] when pixels have fewer than [`MIN_SAMPLES`] samples on average.
     ///
     /// # Panics
     /// When `expect` is about a film of another size, which a validated scene excludes.

@@ -200,7 +200,7 @@ impl Film {
         sum.map(|s| s / self.pixels.len() as f64)
     }
 
-    /// Samples per pixel on the average, rounded up.
+    /// Samples per pixel on average, rounded up.
     pub fn mean_samples(&self) -> u64 {
         let samples: u64 = self.pixels.iter().map(|p| p.samples).sum();
         samples.div_ceil(self.pixels.len() as u64)

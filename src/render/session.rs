@@ -91,7 +91,7 @@ impl<'a> Session<'a> {
         self.kernel.wgsl()
     }
 
-    /// Samples that every pixel has; with adaptive sampling, what they have on the average, rounded
+    /// Samples that every pixel has; with adaptive sampling, what they have on average, rounded
     /// down.
     pub fn samples(&self) -> u64 {
         self.progress.samples()
@@ -105,7 +105,7 @@ impl<'a> Session<'a> {
     }
 
     /// Takes every pixel `samples` further, at most to the end of the open block; with adaptive
-    /// sampling, about so many on the average. `stop` is asked between dispatches.
+    /// sampling, about so many on average. `stop` is asked between dispatches.
     ///
     /// # Errors
     /// The driver fails, or ends the scene's traversal loops so early that no sample can be

@@ -35,34 +35,72 @@ choice! {
     }
 }
 
+/// How directions are sampled without regard to lights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DirectionSampling {
+    /// Uniformly over the hemisphere.
+    UniformHemisphere,
+    /// In proportion to the cosine.
+    CosineHemisphere,
+    /// In proportion to the BSDF.
+    Bsdf,
+}
+
+/// How samples of directions and samples of lights are weighted where both are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Heuristic {
+    /// In proportion to their densities (Veach 1997, eq. 9.11).
+    Balance,
+    /// In proportion to the squares of their densities (Veach 1997, eq. 9.26, β = 2).
+    Power,
+}
+
+/// What a strategy combines: its name stands for these.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Techniques {
+    /// Sampling of directions; `None` where lights alone are sampled.
+    pub directions: Option<DirectionSampling>,
+    /// Sampling of points on lights with a surface; `None` where these are not sampled.
+    pub lights: Option<LightSampling>,
+    /// The weights, where there are both.
+    pub heuristic: Option<Heuristic>,
+}
+
 impl Strategy {
-    /// Whether lights with a surface and the environment are sampled.
-    pub fn samples_lights(self) -> bool {
-        match self {
-            Self::UniformHemisphere | Self::CosineHemisphere | Self::Bsdf => false,
-            Self::LightArea
-            | Self::LightSolidAngle
-            | Self::LightProjectedSolidAngle
-            | Self::MisBalance
-            | Self::MisPower => true,
+    /// What it combines, where points on lights are sampled by `light_sampling` if it does not say.
+    pub fn techniques(self, light_sampling: LightSampling) -> Techniques {
+        let directions = |sampling| (Some(sampling), None, None);
+        let lights = |sampling| (None, Some(sampling), None);
+        let both = |heuristic| {
+            let bsdf = Some(DirectionSampling::Bsdf);
+            (bsdf, Some(light_sampling), Some(heuristic))
+        };
+        let (directions, lights, heuristic) = match self {
+            Self::UniformHemisphere => directions(DirectionSampling::UniformHemisphere),
+            Self::CosineHemisphere => directions(DirectionSampling::CosineHemisphere),
+            Self::Bsdf => directions(DirectionSampling::Bsdf),
+            Self::LightArea => lights(LightSampling::Area),
+            Self::LightSolidAngle => lights(LightSampling::SolidAngle),
+            Self::LightProjectedSolidAngle => lights(LightSampling::ProjectedSolidAngle),
+            Self::MisBalance => both(Heuristic::Balance),
+            Self::MisPower => both(Heuristic::Power),
+        };
+        Techniques {
+            directions,
+            lights,
+            heuristic,
         }
     }
 
-    /// Whether directions are chosen without regard to lights.
-    pub fn samples_directions(self) -> bool {
-        match self {
-            Self::LightArea | Self::LightSolidAngle | Self::LightProjectedSolidAngle => false,
-            Self::UniformHemisphere
-            | Self::CosineHemisphere
-            | Self::Bsdf
-            | Self::MisBalance
-            | Self::MisPower => true,
-        }
+    /// Whether lights with a surface and the environment are sampled.
+    pub fn samples_lights(self) -> bool {
+        self.techniques(LightSampling::default()).lights.is_some()
     }
 
     /// Whether both are done, and weighted so that each may leave out what the other finds.
     pub fn is_mis(self) -> bool {
-        self.samples_lights() && self.samples_directions()
+        let techniques = self.techniques(LightSampling::default());
+        techniques.heuristic.is_some()
     }
 }
 
@@ -257,6 +295,13 @@ render_table! {
         error: Option<f64> = None,
         /// Confidence with which the image's error has to be below `error`, between 0 and 1.
         confidence: f64 = 0.95,
+    }
+}
+
+impl EstimatorSettings {
+    /// What the strategy combines.
+    pub fn techniques(&self) -> Techniques {
+        self.strategy.techniques(self.light_sampling)
     }
 }
 

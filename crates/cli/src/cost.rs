@@ -58,7 +58,7 @@ pub struct Arguments {
     /// Samplers to compare [default: independent,sobol; with --calibrate all]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     samplers: Vec<Sampler>,
-    /// Effects to compile in without need, each beside every estimator as the scene calls for it,
+    /// Unneeded effects to compile in, each beside every estimator as the scene calls for it,
     /// or `everything` at once: they give the same image, which is checked bit for bit, and what
     /// they cost is time. `direkt explain` names the effects
     #[arg(long, value_name = "LIST", value_parser = parse_compiled, value_delimiter = ',', conflicts_with = "calibrate")]

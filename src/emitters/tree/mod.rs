@@ -29,7 +29,7 @@ pub struct LightTree {
     pub trails: Vec<u32>,
     /// The sampled lights outside the tree.
     pub infinite: Vec<u32>,
-    /// Per emitter its probability in the mean over all surfaces, as far as that is known without
+    /// Per emitter its probability averaged over all surfaces, as far as that is known without
     /// one: in the tree, by its intensity.
     means: Vec<f64>,
 }
@@ -75,7 +75,7 @@ impl LightTree {
         1.0 / (self.infinite.len() + 1) as f64
     }
 
-    /// Probability of light `index` in the mean over surfaces, where it is in the tree by its
+    /// Probability of light `index` averaged over surfaces, where it is in the tree by its
     /// intensity alone; exact outside of it. 0 where it is never sampled.
     pub fn mean_probability(&self, index: usize) -> f64 {
         self.means[index]

@@ -24,7 +24,7 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// Samples per pixel, on the average where they differ.
+    /// Samples per pixel, on average where they differ.
     pub fn samples(&self) -> u64 {
         self.saved.progress.samples()
     }

@@ -50,7 +50,7 @@ impl Default for Progress {
 }
 
 impl Progress {
-    /// Samples per pixel, on the average where they differ.
+    /// Samples per pixel, on average where they differ.
     pub(crate) fn samples(&self) -> u64 {
         let samples = self.classes.iter().map(|class| class.samples());
         match &self.allocation {

@@ -65,7 +65,7 @@ fn light_numbers_are_the_twins() {
         imports: "import package::core::sampler::{GROUP_DIRECTION, GROUP_LIGHT, SampleId, random_group};
                   import package::kernel::shadow_rays::light_numbers;
                   import package::scene::bindings::frame;",
-        body: "let name = SampleId(in_u32(0u), vec2u(in_u32(1u), in_u32(2u)), frame.seed, frame.width, frame.pattern);
+        body: "let name = SampleId(in_u32(0u), vec2u(in_u32(1u), in_u32(2u)), frame.seed, frame.film.width, frame.patterns.pixel);
                let words = vec4u(random_group(name, GROUP_LIGHT).xyz, random_group(name, GROUP_DIRECTION).z);
                let u = light_numbers(name, words, in_u32(3u), in_u32(4u));
                out_u32(0u, u.choice); out_u32(1u, u.texel); out_vec2f(2u, u.point);",

@@ -16,25 +16,110 @@ fn the_frame_is_the_hosts() {
     let prepared = prepared(every_kind(environment_map(Interpolation::Linear)));
     let function = Function {
         imports: "import package::scene::bindings::frame;",
-        body: "out_vec3f(0u, frame.eye); out_u32(3u, frame.width);
-               out_vec3f(4u, frame.right); out_u32(7u, frame.height);
-               out_vec3f(8u, frame.up); out_u32(11u, frame.seed);
-               out_vec3f(12u, frame.forward); out_u32(15u, frame.tiles_per_row);
-               out_vec3f(16u, frame.grid_origin); out_u32(19u, frame.root);
-               out_vec3f(20u, frame.grid_scale); out_u32(23u, frame.light_count);
-               out_vec3f(24u, frame.environment_x); out_u32(27u, frame.environment_width);
-               out_vec3f(28u, frame.environment_y); out_u32(31u, frame.environment_height);
-               out_vec3f(32u, frame.environment_z); out_f32(35u, frame.environment_samples);
-               out_vec3f(36u, frame.environment_radiance); out_f32(39u, frame.far);
-               out_u32(40u, frame.environment_grid.x); out_u32(41u, frame.environment_grid.y);",
-        outputs: 42,
+        body: "out_vec3f(0u, frame.camera.eye);
+               out_f32(3u, frame.camera.near_plane);
+               out_vec3f(4u, frame.camera.right);
+               out_f32(7u, frame.camera.near_lens);
+               out_vec3f(8u, frame.camera.up);
+               out_f32(11u, frame.camera.inverse_focus_distance);
+               out_vec3f(12u, frame.camera.forward);
+               out_u32(15u, frame.camera.orthographic);
+               out_vec3f(16u, frame.camera.lens_right);
+               out_u32(19u, frame.camera.max_specular_depth);
+               out_vec3f(20u, frame.camera.lens_up);
+               out_u32(23u, frame.film.width);
+               out_u32(24u, frame.film.height);
+               out_u32(25u, frame.film.tiles_per_row);
+               out_f32(26u, frame.film.filter_cell);
+               out_vec3f(27u, frame.film.filter_knots[1].yzw);
+               out_vec3f(30u, frame.bvh.grid_origin);
+               out_u32(33u, frame.bvh.root);
+               out_vec3f(34u, frame.bvh.grid_scale);
+               out_u32(37u, frame.bvh.logarithmic_grid);
+               out_vec3f(38u, frame.environment.x);
+               out_u32(41u, frame.environment.width);
+               out_vec3f(42u, frame.environment.y);
+               out_u32(45u, frame.environment.height);
+               out_vec3f(46u, frame.environment.z);
+               out_f32(49u, frame.environment.samples);
+               out_vec3f(50u, frame.environment.radiance);
+               out_u32(53u, frame.environment.linear);
+               out_u32(54u, frame.environment.grid.x); out_u32(55u, frame.environment.grid.y);
+               out_vec3f(56u, frame.light_tree.grid_origin);
+               out_u32(59u, frame.light_tree.nodes);
+               out_vec3f(60u, frame.light_tree.grid_step);
+               out_u32(63u, frame.light_tree.infinite_lights);
+               out_u32(64u, frame.lights.count);
+               out_u32(65u, frame.lights.first_sun);
+               out_u32(66u, frame.lights.suns);
+               out_u32(67u, frame.lights.first_emission);
+               out_u32(68u, frame.lights.boxes[0].x);
+               out_u32(69u, frame.lights.boxes[0].y);
+               out_u32(70u, frame.lights.boxes[0].z);
+               out_u32(71u, frame.patterns.pixel.x); out_u32(72u, frame.patterns.pixel.y);
+               out_u32(73u, frame.patterns.light.x); out_u32(74u, frame.patterns.light.y);
+               out_u32(75u, frame.shadow.rays);
+               out_u32(76u, frame.shadow.columns);
+               out_u32(77u, frame.shadow.steps.x); out_u32(78u, frame.shadow.steps.y);
+               out_u32(79u, frame.seed);
+               out_f32(80u, frame.far);",
+        outputs: 81,
         ..Function::default()
     };
     let answers = call_in(context, &prepared, &function, &[], 1);
     let frame = frame_of(&prepared, prepared.film, prepared.settings.seed);
-    let expected: &[u32] = bytemuck::cast_slice(std::slice::from_ref(&frame));
-    let found: Vec<u32> = (0..42).map(|i| answers.u32(i).next().unwrap()).collect();
-    assert_eq!(found, expected[..42]);
+    let floats = |x: &[f32]| x.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    let expected = [
+        floats(&frame.camera.eye),
+        floats(&[frame.camera.near_plane]),
+        floats(&frame.camera.right),
+        floats(&[frame.camera.near_lens]),
+        floats(&frame.camera.up),
+        floats(&[frame.camera.inverse_focus_distance]),
+        floats(&frame.camera.forward),
+        vec![frame.camera.orthographic],
+        floats(&frame.camera.lens_right),
+        vec![frame.camera.max_specular_depth],
+        floats(&frame.camera.lens_up),
+        vec![frame.film.width],
+        vec![frame.film.height],
+        vec![frame.film.tiles_per_row],
+        floats(&[frame.film.filter_cell]),
+        floats(&frame.film.filter_knots[1][1..]),
+        floats(&frame.bvh.grid_origin),
+        vec![frame.bvh.root],
+        floats(&frame.bvh.grid_scale),
+        vec![frame.bvh.logarithmic_grid],
+        floats(&frame.environment.x),
+        vec![frame.environment.width],
+        floats(&frame.environment.y),
+        vec![frame.environment.height],
+        floats(&frame.environment.z),
+        floats(&[frame.environment.samples]),
+        floats(&frame.environment.radiance),
+        vec![frame.environment.linear],
+        frame.environment.grid.to_vec(),
+        floats(&frame.light_tree.grid_origin),
+        vec![frame.light_tree.nodes],
+        floats(&frame.light_tree.grid_step),
+        vec![frame.light_tree.infinite_lights],
+        vec![frame.lights.count],
+        vec![frame.lights.first_sun],
+        vec![frame.lights.suns],
+        vec![frame.lights.first_emission],
+        frame.lights.boxes[0][..3].to_vec(),
+        frame.patterns.pixel.to_vec(),
+        frame.patterns.light.to_vec(),
+        vec![frame.shadow.rays],
+        vec![frame.shadow.columns],
+        frame.shadow.steps.to_vec(),
+        vec![frame.seed],
+        floats(&[frame.far]),
+    ];
+    let found: Vec<u32> = (0..function.outputs)
+        .map(|i| answers.u32(i).next().unwrap())
+        .collect();
+    assert_eq!(found, expected.concat());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use direkt_instruments::cost::{Interval, SceneCost};
 use direkt_instruments::report::format::{agreement, number, range, seconds, short, slope};
 use direkt_instruments::report::{self, with_effects};
 
-/// The table of all estimators, what effects without need cost, and who cannot be used.
+/// The table of all estimators, what unneeded effects cost, and who cannot be used.
 pub fn summary(cost: &SceneCost) -> String {
     let mut out = format!(
         "{}: {} × {}, {:.1} s of rendering\n  rank  {:<40}{:>34}{:>12}{:>16}{:>12}\n",
@@ -41,7 +41,7 @@ pub fn summary(cost: &SceneCost) -> String {
     out
 }
 
-/// What effects cost that are compiled in without need; empty where there are none.
+/// What unneeded effects cost; empty where there are none.
 fn without_need(cost: &SceneCost) -> String {
     let mut out = String::new();
     for (e, need) in with_effects(cost) {

@@ -32,7 +32,7 @@ pub struct LiveArguments {
         requires = "output"
     )]
     watch: Option<f64>,
-    /// Show the image while rendering in the viewer tev, which listens at 127.0.0.1:14158 as a rule
+    /// Show the image while rendering in the viewer tev, which usually listens at 127.0.0.1:14158
     #[arg(long, value_name = "HOST:PORT")]
     tev: Option<String>,
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// Largest deviation of a pixel's mean, relative to its largest sample. Welford's mean over a block
 /// of 256 samples in f32 rounds twice per sample, each time by at most 2⁻²⁴ of the largest: 3·10⁻⁵
-/// in the worst case, a hundredth of it as a rule.
+/// in the worst case, usually a hundredth of it.
 pub const TOLERANCE: f64 = 3e-5;
 
 /// How the film compares with its samples.

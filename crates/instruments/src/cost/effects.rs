@@ -1,6 +1,6 @@
 //! What an estimator is compiled with: the effects that the scene calls for, and further ones.
 //!
-//! Effects compiled in without need change no bit of an image, so that the error at equal samples
+//! Unneeded effects change no bit of an image, so that the error at equal samples
 //! is equal and what differs is time. Both are measured: estimators that differ in nothing else
 //! have the same random numbers, and their images are compared.
 
@@ -34,7 +34,7 @@ impl Compiled {
         }
     }
 
-    /// The effects that are compiled in without need where `called_for` are called for.
+    /// The effects that are compiled in beside `called_for`.
     pub fn without_need(self, called_for: &Effects) -> Vec<Effect> {
         let effects = match &self {
             Self::CalledFor => &[],
@@ -78,7 +78,7 @@ impl Serialize for Compiled {
     }
 }
 
-/// What effects cost that are compiled in without need, against the same estimator with what the
+/// What unneeded effects cost, against the same estimator with what the
 /// scene calls for.
 #[derive(Debug, Clone, Serialize)]
 pub struct WithoutNeed {

@@ -14,7 +14,7 @@
 //! | efficiency | 1/(V·T) with V = relMSE · n, the relative variance of one sample, and T = seconds/n: 1/(relMSE · seconds), at the largest count |
 //! | time to a target | where the line through ln relMSE against ln seconds meets it |
 //! | rank | 1 plus the number of estimators whose efficiency's interval lies above; overlapping intervals are ties |
-//! | effects | the same estimator with effects compiled in without need ([`effects`]): same random numbers, images compared bit for bit, times in pairs, hence ranks by the ratio's interval |
+//! | effects | the same estimator with unneeded effects ([`effects`]): same random numbers, images compared bit for bit, times in pairs, hence ranks by the ratio's interval |
 
 pub mod calibrate;
 mod compile;
@@ -143,7 +143,7 @@ pub struct EstimatorCost {
     /// An image of about the same time as the others'; none where measuring ended before it was
     /// rendered.
     pub equal_time: Option<EqualTime>,
-    /// What the effects cost that are compiled in without need; none where there are none.
+    /// What unneeded effects cost; none where there are none.
     pub without_need: Option<WithoutNeed>,
 }
 

@@ -93,7 +93,7 @@ impl Work<'_, '_> {
         })
     }
 
-    /// What effects that are compiled in without need cost every estimator; none where there are
+    /// What unneeded effects cost every estimator; none where there are
     /// none.
     fn without_need(&self, measured: &Measured) -> Vec<Option<WithoutNeed>> {
         let of = |(i, against): (usize, usize)| {

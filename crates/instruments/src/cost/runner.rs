@@ -72,7 +72,7 @@ pub struct Runner<'a> {
     pub seconds_per_count: f64,
     /// Samples that were not finite and were dropped.
     pub dropped: u64,
-    /// Effects that are compiled in without need.
+    /// Unneeded effects.
     pub without_need: Vec<Effect>,
     /// Whether its images are those that it gives without them.
     pub agreement: Agreement,

@@ -1,4 +1,4 @@
-//! What each effect costs that is compiled in without need: compile time, and time per sample.
+//! What each unneeded effect costs: compile time, and time per sample.
 //!
 //! The kernel that the scene calls for, kernels with one further effect each, and one with all that
 //! can be compiled in take turns. In every round each is compiled anew; then they render the same

@@ -28,15 +28,15 @@ pub const SAMPLES: [u32; 4] = [4, 16, 64, 256];
 /// What can be said of an estimator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
-    /// Right in the mean for every n, and converging.
+    /// Unbiased for every n, and converging.
     UnbiasedConsistent,
-    /// Right in the mean for every n, but not converging.
+    /// Unbiased for every n, but not converging.
     UnbiasedInconsistent,
-    /// Wrong in the mean, by less and less.
+    /// Biased, by less and less.
     BiasedConsistent,
-    /// Wrong in the mean for ever.
+    /// Biased for ever.
     BiasedInconsistent,
-    /// Right in the mean, of infinite variance.
+    /// Unbiased, of infinite variance.
     InfiniteVariance,
 }
 
@@ -128,7 +128,7 @@ pub const ESTIMATORS: [Estimator; 12] = [
         target: 4.0,
         moments: exact::maximum,
         tested_from: 1,
-        why: "always below 4, by 4/(n + 1) in the mean; variance O(1/n²)",
+        why: "always below 4, by 4/(n + 1) on average; variance O(1/n²)",
     },
     Estimator {
         name: "spread Σ(Y − mean)²/n, for V[Y] = 64/3",

@@ -1,4 +1,4 @@
-//! What effects cost that are compiled in without need.
+//! What unneeded effects cost.
 
 use super::figures::{self, with_effects};
 use super::format::{agreement, escape, grouped, number, seconds};

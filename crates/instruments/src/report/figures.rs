@@ -22,7 +22,7 @@ pub const NAMES: [&str; 4] = ["error-time", "error-samples", "efficiency", EFFEC
 const EFFECTS: &str = "effects";
 
 /// Number of an estimator's colour: that of its strategy, the same on every page; where there is
-/// one strategy alone, further ones for the effects that are compiled in without need.
+/// one strategy alone, further ones for the unneeded effects.
 fn series(cost: &SceneCost, estimator: &EstimatorCost) -> usize {
     let all = Strategy::VARIANTS;
     let strategy = estimator.estimator.settings.strategy;
@@ -46,7 +46,7 @@ fn series(cost: &SceneCost, estimator: &EstimatorCost) -> usize {
     (of_strategy + of_effect.unwrap_or(0)) % SERIES
 }
 
-/// Estimators with effects that are compiled in without need, in the order in which they were
+/// Estimators with unneeded effects, in the order in which they were
 /// named, and what these cost.
 pub fn with_effects(cost: &SceneCost) -> impl Iterator<Item = (&EstimatorCost, &WithoutNeed)> {
     let all = cost.estimators.iter();
@@ -112,7 +112,7 @@ pub fn of(cost: &SceneCost) -> [Figure; 3] {
     .map(|(name, svg)| Figure { name, svg })
 }
 
-/// Times of effects that are compiled in without need over those of what is called for; none where
+/// Times of unneeded effects over those of what is called for; none where
 /// there are none.
 pub fn effects(cost: &SceneCost) -> Option<Figure> {
     let bar = |(e, need): (&EstimatorCost, &WithoutNeed)| Bar {
@@ -122,7 +122,7 @@ pub fn effects(cost: &SceneCost) -> Option<Figure> {
     };
     let bars: Vec<_> = with_effects(cost).map(bar).collect();
     let axis = "time for the same samples, over that of what is called for";
-    let svg = || bars::draw("Effects compiled in without need", axis, &bars);
+    let svg = || bars::draw("Unneeded effects", axis, &bars);
     (!bars.is_empty()).then(|| Figure {
         name: EFFECTS,
         svg: svg(),

@@ -7,7 +7,7 @@ use crate::cost::{Compiled, EstimatorCost, Interval, SceneCost};
 
 /// The result in a sentence or two.
 pub fn lead(cost: &SceneCost) -> String {
-    // What effects cost without need is told by ratios of times in pairs, not by intervals of
+    // What unneeded effects cost is told by ratios of times in pairs, not by intervals of
     // efficiency.
     let all: Vec<_> = ranked(cost)
         .into_iter()

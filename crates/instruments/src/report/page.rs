@@ -319,7 +319,7 @@ const DEFINITIONS: [(&str, &str); 11] = [
     ),
     (
         "curves",
-        "colour is the strategy, dashes are the sampler; thin lines with crosses have effects compiled in without need, whose colour tells them apart where there is one strategy; whiskers are 95 % intervals",
+        "colour is the strategy, dashes are the sampler; thin lines with crosses have unneeded effects, whose colour tells them apart where there is one strategy; whiskers are 95 % intervals",
     ),
 ];
 
