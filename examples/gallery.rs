@@ -14,7 +14,7 @@ const SCENES: [&str; 9] = [
     "textures",
     "sun",
     "window",
-    "corner",
+    "isometric",
 ];
 /// Pixels per row.
 const WIDTH: u32 = 280;
