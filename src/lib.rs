@@ -63,8 +63,8 @@
 //!   anything is rounded; one that is much larger than what is in view is centred there
 //!   ([`scene::normalize`]).
 //! - **Random numbers are counters**: a hash of (pixel, sample, dimension, seed), integers that are
-//!   the same on every device. Dimensions are assigned once for all, so an effect that is compiled
-//!   in without need changes no bit.
+//!   the same on every device. Dimensions are assigned once for all, so an unneeded effect
+//!   changes no bit.
 //! - **An image does not depend on how its passes were cut**: a pixel's state goes on exactly from
 //!   where it stood, and blocks end at multiples of 256 samples.
 //! - **A sample that is not finite is dropped and counted**, with the first pixel and sample of
@@ -82,8 +82,9 @@
 //!   Depth of field, for example, is
 //!
 //!   ```text
-//!   src/effects/mod.rs                    DepthOfField "DEPTH_OF_FIELD" "depth-of-field" Simulation |r| r.depth_of_field();
-//!   shaders/kernel/camera.wesl        @if(DEPTH_OF_FIELD) { … frame.lens_right … }
+//!   src/effects/mod.rs                DepthOfField "DEPTH_OF_FIELD" "depth-of-field" Simulation
+//!                                     |r| r.depth_of_field();
+//!   shaders/kernel/camera.wesl        @if(DEPTH_OF_FIELD) { … frame.camera.lens_right … }
 //!   src/reference/kernel/camera.rs    the same in f64
 //!   tests/shader/kernel/camera.rs     GPU against twin, ray by ray
 //!   scenes/tests/thin_lens_blur.toml  a disk out of focus, and the exact value of its blur
@@ -91,13 +92,17 @@
 //!
 //!   An effect that reads new data adds it to [`scene`] with its loader, and a member of `Frame` or
 //!   a buffer.
+//! - **a setting of the estimator**: a field in `render_table!` of `src/scene/settings.rs`, which
+//!   makes its key in scene files, its flag, and its places in JSON, EXR files and saved scenes;
+//!   the rule of the effect that it calls for; and its control in
+//!   `crates/window/src/panels/estimator.rs`.
 //! - **a light without a surface**: a spot light is in these files; those that are not named after
 //!   it have one line or one case of it:
 //!
 //!   ```text
 //!   src/scene/lights/spot.rs           its data, keys in a scene file, checks, power, spread, record
 //!   src/scene/lights/mod.rs            its row in the table of kinds
-//!   src/effects/mod.rs                     its effect, LIGHT_SPOTS
+//!   src/effects/mod.rs                 its effect, LIGHT_SPOTS
 //!   shaders/light/spot.wesl            sample_spot_light
 //!   shaders/light/light.wesl           its case
 //!   src/reference/light/spot.rs        the same in f64, which reads nothing of the record
@@ -127,8 +132,8 @@
 //!   the scene's size, boxes are looser than they need be. In scenes more than 4,096 times as large
 //!   as what is in view the grid is logarithmic and the eye its centre; spheres as large as that
 //!   are warned of, not cut.
-//! - Meshes that exceed a binding (128 MiB on lavapipe: 2.8 million triangles) are refused after
-//!   they are read.
+//! - Geometry that exceeds a binding (128 MiB on lavapipe: 2.8 million triangles) is split over
+//!   several. Such kernels take six times as long to compile.
 
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 #![warn(unnameable_types, unreachable_pub)]
