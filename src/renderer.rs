@@ -35,11 +35,11 @@ impl Renderer {
         Self { context }
     }
 
-    /// Renders `scene` until the first of [`RenderSettings::spp`], `time` and `error` is reached,
+    /// Renders `scene` until the first of [`StopSettings::spp`], `time` and `error` is reached,
     /// or no sample finds any light. What of a file has no meaning is in [`Scene::warnings`], which
     /// is the caller's to show.
     ///
-    /// [`RenderSettings::spp`]: crate::RenderSettings::spp
+    /// [`StopSettings::spp`]: crate::StopSettings::spp
     ///
     /// # Errors
     /// A number of the scene is out of its domain, the scene is too large for the device, or the
@@ -51,7 +51,7 @@ impl Renderer {
     }
 
     /// Begins to render `scene`, pass by pass;
-    /// [`RenderSettings::time`](crate::RenderSettings::time) begins now.
+    /// [`StopSettings::time`](crate::StopSettings::time) begins now.
     ///
     /// # Errors
     /// A number of the scene is out of its domain, or the scene is too large for the device.

@@ -184,9 +184,10 @@ pub struct SpecularLobe {
     pub alpha: f64,
     /// F̄ = 2∫F(μ)μ dμ, μ the cosine: what it reflects of light from everywhere, were it smooth.
     pub average: DVec3,
-    /// Whether light that meets several facets counts; see [`RenderSettings::energy_compensation`].
+    /// Whether light that meets several facets counts; see
+    /// [`EstimatorSettings::energy_compensation`].
     ///
-    /// [`RenderSettings::energy_compensation`]: super::RenderSettings::energy_compensation
+    /// [`EstimatorSettings::energy_compensation`]: super::EstimatorSettings::energy_compensation
     pub compensated: bool,
 }
 

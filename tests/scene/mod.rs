@@ -24,6 +24,7 @@ mod mesh_text;
 mod meshes;
 mod opacity;
 mod radiance;
+mod random_scenes;
 mod refine;
 mod repository;
 mod shadow_rays;

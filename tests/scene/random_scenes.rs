@@ -1,0 +1,63 @@
+//! `examples/random_scenes`: scenes that nobody chose.
+
+#[path = "../../examples/random_scenes/generator.rs"]
+mod generator;
+#[path = "../../examples/fuzz/harness/random.rs"]
+mod random;
+#[path = "../../examples/random_scenes/textures.rs"]
+mod textures;
+
+use direkt::low_level::effects::Effect;
+use direkt::low_level::prepare::Prepared;
+use direkt::scene::load::{LoadOptions, load};
+use std::collections::BTreeSet;
+
+/// Every seed is a scene with a light; together they call for all kinds of lights, cameras and
+/// materials that the generator knows.
+#[test]
+fn every_seed_is_a_scene_with_a_light() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in textures::files() {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    let mut called_for = BTreeSet::new();
+    for seed in 1..=100 {
+        let text = generator::scene(seed);
+        assert_eq!(text, generator::scene(seed));
+        let path = folder.path().join(format!("{seed}.toml"));
+        std::fs::write(&path, text).unwrap();
+        let scene = load(&path, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+        let prepared = Prepared::of(scene);
+        assert!(!prepared.emitters.lights.is_empty(), "{seed}");
+        let effects = Effect::ALL
+            .iter()
+            .filter(|e| prepared.effects.contains(**e));
+        called_for.extend(effects.map(|e| e.name()));
+    }
+    for name in [
+        "alpha",
+        "alpha-texture",
+        "area-lights",
+        "color-texture",
+        "conductor-fresnel",
+        "depth-of-field",
+        "dielectric-fresnel",
+        "directional-lights",
+        "disk-lights",
+        "ellipsoid-lights",
+        "environment",
+        "environment-map",
+        "glossy",
+        "orthographic",
+        "pixel-filter",
+        "planar-lights",
+        "point-lights",
+        "refraction",
+        "specular",
+        "sphere-lights",
+        "spot-lights",
+        "suns",
+    ] {
+        assert!(called_for.contains(name), "{name}: {called_for:?}");
+    }
+}
