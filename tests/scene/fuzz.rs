@@ -1,7 +1,7 @@
 //! A short run of the fuzzer: the example `fuzz` does the same for as long as one likes.
 
 #[path = "../../examples/fuzz/harness/mod.rs"]
-mod harness;
+pub(super) mod harness;
 
 use super::files::load_toml;
 use direkt::scene::Geometry;

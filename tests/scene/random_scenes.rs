@@ -2,11 +2,10 @@
 
 #[path = "../../examples/random_scenes/generator.rs"]
 mod generator;
-#[path = "../../examples/fuzz/harness/random.rs"]
-mod random;
 #[path = "../../examples/random_scenes/textures.rs"]
 mod textures;
 
+use super::fuzz::harness::random;
 use direkt::low_level::effects::Effect;
 use direkt::low_level::prepare::Prepared;
 use direkt::scene::load::{LoadOptions, load};

@@ -6,7 +6,7 @@
 mod json;
 mod mutate;
 mod numbers;
-mod random;
+pub mod random;
 mod readers;
 mod seeds;
 pub mod sound;
