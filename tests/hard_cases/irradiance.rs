@@ -31,7 +31,7 @@ fn irradiance(
          {imports}"
     );
     let body = format!(
-        "let light = Light(in_vec3f(0u), {kind}, {kind} != LIGHT_SPHERE, false, in_vec3f(3u), 1.0, in_vec3f(6u), in_f32(9u), vec3f(1.0));
+        "let light = Light(in_vec3f(0u), {kind}, {kind} != LIGHT_SPHERE, false, in_vec3f(3u), ExpectedSamples(1.0), in_vec3f(6u), in_f32(9u), vec3f(1.0));
          let u = in_vec2f(10u);
          let s = sample_area_light(
              light, ExpectedSamples(1.0), vec3f(0.0), frame_from_normal(vec3f(0.0, 0.0, 1.0)), u);

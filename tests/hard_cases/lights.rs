@@ -32,7 +32,7 @@ fn sphere_samples(
             import package::light::area_light::sample_area_light;
             import package::scene::fetch::{LIGHT_SPHERE, Light};",
         body: "let light = Light(
-                   vec3f(0.25, -0.5, 1.0), LIGHT_SPHERE, true, false, vec3f(2.0, 0.0, 0.0), 1.0, vec3f(0.0),
+                   vec3f(0.25, -0.5, 1.0), LIGHT_SPHERE, true, false, vec3f(2.0, 0.0, 0.0), ExpectedSamples(1.0), vec3f(0.0),
                    50.2654825, vec3f(1.0));
                let frame = frame_from_normal(in_vec3f(3u));
                let s = sample_area_light(light, ExpectedSamples(1.0), in_vec3f(0u), frame, in_vec2f(6u));

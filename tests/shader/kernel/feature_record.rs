@@ -66,7 +66,6 @@ fn the_last_surface_counts() {
                record_features(s, vec3f(0.5, 1.0, 8.0));
                out_vec3f(3u, features_seen.albedo); out_vec3f(6u, features_seen.normal);",
         outputs: 9,
-        features: &["FEATURES"],
         ..Function::default()
     };
     let answers = call_in(context(), &prepared, &function, &[], 1);

@@ -8,8 +8,9 @@ use std::path::PathBuf;
 
 const INTRODUCTION: &str = "# Hard cases
 
-What breaks renderers that compute in f32, and what direkt does there. Every line is a test of the suite, which fails where
-direkt's figure is beyond the bound, and fails as well where the textbook's way is not: then the test would prove nothing.
+What breaks renderers that compute in f32, and what direkt does there. Every line is a test of the
+suite, which fails where direkt's figure is beyond the bound, and fails as well where the textbook's
+way is not: then the test would prove nothing.
 
 This page is written by the tests, with the figures of each driver that they were run on:
 
