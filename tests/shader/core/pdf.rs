@@ -17,10 +17,10 @@ fn densities_are_converted_like_the_twins() {
     let context = context();
     let function = Function {
         imports: "import package::core::pdf::{
-                      PdfArea, PdfDiscrete, PdfSolidAngle, area_to_solid_angle, chosen
+                      ExpectedSamples, PdfArea, PdfSolidAngle, area_to_solid_angle, of_samples
                   };",
         body: "out_f32(0u, area_to_solid_angle(PdfArea(in_f32(0u)), in_f32(1u), in_f32(2u)).value);
-               out_f32(1u, chosen(PdfDiscrete(in_f32(3u)), PdfSolidAngle(in_f32(0u))).value);",
+               out_f32(1u, of_samples(ExpectedSamples(in_f32(3u)), PdfSolidAngle(in_f32(0u))).value);",
         inputs: 4,
         outputs: 2,
         features: &[],
