@@ -138,6 +138,12 @@ choice! {
 /// Largest [`max_specular_depth`](EstimatorSettings::max_specular_depth).
 pub const MAX_SPECULAR_DEPTH: u32 = 64;
 
+/// Parses a number of shadow rays on the command line.
+#[cfg(feature = "clap")]
+pub fn parse_shadow_rays() -> clap::builder::RangedI64ValueParser<u32> {
+    clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS))
+}
+
 /// Defines the table `[render]` once: its parts as structs, the flags that override the first of
 /// them, and the table as files spell it, flat. The first paragraph of a field's comment is also
 /// the help of its flag.
@@ -254,7 +260,7 @@ render_table! {
         mis_compensation: bool = false,
         /// Shadow rays per camera ray, 1 to 1024; with light selection `all` per light
         #[schemars(range(min = 1, max = 1024))]
-        #[flag(value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS)))]
+        #[flag(value_name = "N", value_parser = parse_shadow_rays())]
         shadow_rays: u32 = 1,
         /// Where on the lights the points of a camera ray's shadow rays lie
         #[flag(value_enum)]

@@ -50,7 +50,7 @@ pub struct Arguments {
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     light_selections: Vec<LightSelection>,
     /// Numbers of shadow rays per camera ray to compare, each 1 to 1024 [default: the scene's]
-    #[arg(long, value_name = "LIST", value_parser = super::settings::shadow_rays(), value_delimiter = ',')]
+    #[arg(long, value_name = "LIST", value_parser = direkt::scene::settings::parse_shadow_rays(), value_delimiter = ',')]
     shadow_rays: Vec<u32>,
     /// Patterns of their points to compare [default: the scene's]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]

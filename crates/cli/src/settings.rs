@@ -6,7 +6,6 @@ use direkt::low_level::console::say;
 use direkt::low_level::gpu::Context;
 use direkt::low_level::render::memory;
 use direkt::scene::load::{LoadOptions, load_with_files};
-use direkt::scene::shadow_rays::MAX_SHADOW_RAYS;
 use direkt::scene::{Aov, EstimatorFlags, FilmSize, Scene, validate};
 use std::path::PathBuf;
 
@@ -153,11 +152,6 @@ impl AovArguments {
             scene.render.aovs = self.aovs.iter().copied().collect();
         }
     }
-}
-
-/// Numbers of shadow rays.
-pub fn shadow_rays() -> clap::builder::RangedI64ValueParser<u32> {
-    clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS))
 }
 
 /// `WIDTHxHEIGHT`.
