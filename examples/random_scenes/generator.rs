@@ -2,6 +2,7 @@
 //! and a camera that looks at it.
 
 use super::random::Random;
+use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
 /// The scene of number `seed`, as a scene file that lies beside [`textures`](super::textures).
@@ -65,7 +66,7 @@ impl Writer {
 
     fn direction(&mut self) -> [f64; 3] {
         let z = self.between(-1.0, 1.0);
-        let azimuth = self.between(0.0, std::f64::consts::TAU);
+        let azimuth = self.between(0.0, TAU);
         let r = (1.0 - z * z).sqrt();
         [r * azimuth.cos(), z, r * azimuth.sin()]
     }
@@ -131,8 +132,7 @@ impl Writer {
                     "type = \"conductor\"\nmetal = \"gold\"\nalpha = {alpha:?}"
                 )),
                 5 => self.line(format_args!(
-                    "type = \"metallic-roughness\"\nbase_color = {color:?}\nmetallic = {:?}\nroughness = {:?}",
-                    metallic,
+                    "type = \"metallic-roughness\"\nbase_color = {color:?}\nmetallic = {metallic:?}\nroughness = {:?}",
                     alpha.sqrt()
                 )),
                 6 => self.line(format_args!("type = \"mirror\"\nreflectance = {color:?}")),
@@ -159,6 +159,25 @@ impl Writer {
         ));
     }
 
+    fn sphere(&mut self, material: &str, center: [f64; 3], radius: f64) {
+        self.line(format_args!(
+            "[[shapes]]\ntype = \"sphere\"\nmaterial = \"{material}\"\ncenter = {center:?}\nradius = {radius:?}"
+        ));
+    }
+
+    /// A unit sphere scaled and moved.
+    fn ellipsoid(&mut self, material: &str, center: [f64; 3], scale: [f64; 3]) {
+        self.line(format_args!(
+            "[[shapes]]\ntype = \"sphere\"\nmaterial = \"{material}\"\ntransform = [{{ scale = {scale:?} }}, {{ translate = {center:?} }}]"
+        ));
+    }
+
+    fn disk(&mut self, material: &str, center: [f64; 3], normal: [f64; 3], radius: f64) {
+        self.line(format_args!(
+            "[[shapes]]\ntype = \"disk\"\nmaterial = \"{material}\"\ncenter = {center:?}\nnormal = {normal:?}\nradius = {radius:?}"
+        ));
+    }
+
     fn rectangle(&mut self, material: &str, corner: [f64; 3], u: [f64; 3], v: [f64; 3]) {
         self.line(format_args!(
             "[[shapes]]\ntype = \"rectangle\"\nmaterial = \"{material}\"\ncorner = {corner:?}\nu = {u:?}\nv = {v:?}"
@@ -173,10 +192,9 @@ impl Writer {
 
     /// A floor, perhaps with walls and a ceiling.
     fn place(&mut self) {
-        let floor = "m0";
         let reach = self.scaled(3.0, 30.0);
         self.rectangle(
-            floor,
+            "m0",
             [-reach, 0.0, reach],
             [2.0 * reach, 0.0, 0.0],
             [0.0, 0.0, -2.0 * reach],
@@ -223,20 +241,14 @@ impl Writer {
             let [x, y, z] = self.point(if many { 1.5 } else { 0.8 });
             let center = [x, y + size, z];
             match self.random.below(5) {
-                0 | 1 => self.line(format_args!(
-                    "[[shapes]]\ntype = \"sphere\"\nmaterial = \"{material}\"\ncenter = {center:?}\nradius = {size:?}"
-                )),
+                0 | 1 => self.sphere(&material, center, size),
                 2 => {
                     let scale = [0; 3].map(|_| size * self.between(0.2, 1.0));
-                    self.line(format_args!(
-                        "[[shapes]]\ntype = \"sphere\"\nmaterial = \"{material}\"\ntransform = [{{ scale = {scale:?} }}, {{ translate = {center:?} }}]"
-                    ));
+                    self.ellipsoid(&material, center, scale);
                 }
                 3 => {
                     let normal = self.direction();
-                    self.line(format_args!(
-                        "[[shapes]]\ntype = \"disk\"\nmaterial = \"{material}\"\ncenter = {center:?}\nnormal = {normal:?}\nradius = {size:?}"
-                    ));
+                    self.disk(&material, center, normal, size);
                 }
                 _ => {
                     let min = [x - size, y, z - size];
@@ -341,38 +353,38 @@ impl Writer {
         let [x, y, z] = self.over();
         let center = [x, y + size, z];
         let tint = self.tint();
-        let radiance = move |area: f64| tint.map(|x| x * power / (std::f64::consts::PI * area));
-        match self.random.below(4) {
-            0 => self.line(format_args!(
-                "[[shapes]]\ntype = \"sphere\"\nmaterial = \"{material}\"\ncenter = {center:?}\nradius = {size:?}\nemission = {{ radiance = {:?} }}",
-                radiance(4.0 * std::f64::consts::PI * size * size)
-            )),
+        let (area, sides) = match self.random.below(4) {
+            0 => {
+                self.sphere(&material, center, size);
+                (4.0 * PI * size * size, "")
+            }
             1 => {
                 let normal = self.direction();
-                self.line(format_args!(
-                    "[[shapes]]\ntype = \"disk\"\nmaterial = \"{material}\"\ncenter = {center:?}\nnormal = {normal:?}\nradius = {size:?}\nemission = {{ radiance = {:?}, two_sided = true }}",
-                    radiance(2.0 * std::f64::consts::PI * size * size)
-                ));
+                self.disk(&material, center, normal, size);
+                (2.0 * PI * size * size, ", two_sided = true")
             }
             2 => {
                 let scale = [1.0, self.between(0.1, 1.0), self.between(0.1, 1.0)];
-                let scale = scale.map(|x| x * size);
-                self.line(format_args!(
-                    "[[shapes]]\ntype = \"sphere\"\nmaterial = \"{material}\"\ntransform = [{{ scale = {scale:?} }}, {{ translate = {center:?} }}]\nemission = {{ radiance = {:?} }}",
-                    radiance(4.0 * std::f64::consts::PI * size * size)
-                ));
+                self.ellipsoid(&material, center, scale.map(|x| x * size));
+                (4.0 * PI * size * size, "")
             }
             _ => {
                 let long = self.scaled(0.05, 1.0) * size;
                 let [dx, dy, dz] = self.direction();
                 // Any edge across the other.
-                let across = if dy.abs() < 0.9 { [dz, 0.0, -dx] } else { [0.0, dz, -dy] };
-                let [u, v] = [([dx, dy, dz], size), (across, long)].map(|(e, l)| e.map(|x| x * l));
-                self.line(format_args!(
-                    "[[shapes]]\ntype = \"rectangle\"\nmaterial = \"{material}\"\ncorner = {center:?}\nu = {u:?}\nv = {v:?}\nemission = {{ radiance = {:?}, two_sided = true }}",
-                    radiance(2.0 * size * long)
-                ));
+                let across = if dy.abs() < 0.9 {
+                    [dz, 0.0, -dx]
+                } else {
+                    [0.0, dz, -dy]
+                };
+                let u = [dx, dy, dz].map(|x| x * size);
+                self.rectangle(&material, center, u, across.map(|x| x * long));
+                (2.0 * size * long, ", two_sided = true")
             }
-        }
+        };
+        let radiance = tint.map(|x| x * power / (PI * area));
+        self.line(format_args!(
+            "emission = {{ radiance = {radiance:?}{sides} }}"
+        ));
     }
 }
