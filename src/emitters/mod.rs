@@ -180,6 +180,12 @@ impl Emitters {
         }
     }
 
+    /// Index of the environment among the lights.
+    pub fn index_of_environment(&self) -> Option<usize> {
+        let mut lights = self.lights.iter();
+        lights.position(|light| *light == Emitter::Environment)
+    }
+
     /// Probability with which a light sample is one of light `index`: with a tree averaged over
     /// surfaces, 1 where every light has its own.
     pub fn probability(&self, index: usize) -> f64 {

@@ -6,8 +6,8 @@ use super::layout::{
     LightTreeUniform, LightsUniform, PatternsUniform, ShadowUniform, TILE,
 };
 use super::lights::first_emission_word;
-use crate::emitters::{Emitter, Selection};
-use crate::prepare::Prepared;
+use crate::emitters::Selection;
+use crate::prepare::{Patterns, Prepared};
 use crate::scene::environment::Interpolation;
 use crate::scene::filter::FilterTable;
 use crate::scene::{EnvironmentRadiance, FilmSize};
@@ -19,7 +19,6 @@ pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
     let half_height = camera.half_height();
     let bvh = &prepared.data.bvh;
     let filter = prepared.data.scene.filter.table();
-    let patterns = prepared.patterns();
     let shadow_grid = prepared.shadow_grid();
     let near_plane = prepared.near_plane();
     let lens = camera.lens;
@@ -63,10 +62,7 @@ pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
         environment: environment_of(prepared),
         light_tree: light_tree_of(prepared),
         lights: lights_of(prepared),
-        patterns: PatternsUniform {
-            pixel: patterns.pixel,
-            light: patterns.light,
-        },
+        patterns: prepared.patterns().into(),
         shadow: ShadowUniform {
             rays: shadow_grid.rays,
             columns: shadow_grid.columns,
@@ -75,6 +71,12 @@ pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
         seed,
         far: (4.0 * prepared.data.normalization.reach) as f32,
         padding: [0; 2],
+    }
+}
+
+impl From<Patterns> for PatternsUniform {
+    fn from(Patterns { pixel, light }: Patterns) -> Self {
+        Self { pixel, light }
     }
 }
 
@@ -117,8 +119,7 @@ fn environment_of(prepared: &Prepared) -> EnvironmentUniform {
     };
     let to_map = environment.rotation.transpose();
     [uniform.x, uniform.y, uniform.z] = [0, 1, 2].map(|i| f3(to_map.row(i)));
-    let mut lights = prepared.emitters.lights.iter();
-    let index = lights.position(|light| *light == Emitter::Environment);
+    let index = prepared.emitters.index_of_environment();
     uniform.samples = index.map_or(0.0, |i| prepared.light_samples(i)) as f32;
     let per_unit = 1.0 / prepared.emitters.unit;
     match &environment.radiance {

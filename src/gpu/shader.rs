@@ -1,7 +1,6 @@
 //! Links WESL modules into one WGSL module.
 
 use crate::accel::parts::Split;
-use crate::emitters::Emitter;
 use crate::error::GpuError;
 use crate::prepare::Prepared;
 use anstream::adapter::strip_str;
@@ -50,8 +49,7 @@ impl KernelConstants {
     /// The values for `prepared`.
     pub fn of(prepared: &Prepared) -> Self {
         let emitters = &prepared.emitters;
-        let mut lights = emitters.lights.iter();
-        let environment = lights.position(|light| *light == Emitter::Environment);
+        let environment = emitters.index_of_environment();
         Self {
             stack_depth: prepared.data.stack_depth(),
             light_groups: emitters.groups.count(),

@@ -205,9 +205,9 @@ impl<'a> Session<'a> {
             queue.write_buffer(self.dispatch.raw(), 0, bytemuck::bytes_of(parameters));
             let mut encoder = context.device.create_command_encoder(&Default::default());
             encoder.clear_buffer(self.unfinished.raw(), 0, None);
-            let own = Some(&region.own);
+            let extra = Some(&region.extra);
             self.kernel
-                .encode(&mut encoder, &region.bindings, &self.scene, own, count);
+                .encode(&mut encoder, &region.bindings, &self.scene, extra, count);
             encoder.copy_buffer_to_buffer(
                 self.unfinished.raw(),
                 0,

@@ -3,7 +3,6 @@
 use super::alias_table::alias_choice;
 use super::sample::{FAR, LightSample};
 use super::sphere::sample_sphere_area;
-use crate::emitters::Emitter;
 use crate::reference::core::math::{angle_of, sin_cos_two_pi};
 use crate::reference::core::pdf::{PdfArea, PdfDiscrete, PdfSolidAngle, chosen};
 use crate::reference::scene::fetch::World;
@@ -134,7 +133,12 @@ pub fn environment_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
     let Some(environment) = &world.prepared.data.scene.environment else {
         return DVec3::ZERO;
     };
-    if !environment_light(world).is_none_or(|index| world.shines(index)) {
+    if !world
+        .prepared
+        .emitters
+        .index_of_environment()
+        .is_none_or(|index| world.shines(index))
+    {
         return DVec3::ZERO;
     }
     let to_map = environment.rotation.transpose();
@@ -150,13 +154,13 @@ pub fn environment_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
 /// Probability that light selection chooses the environment.
 fn environment_selection(world: &World<'_>) -> PdfDiscrete {
     let probability = |i| world.prepared.emitters.probability(i);
-    PdfDiscrete(environment_light(world).map_or(0.0, probability))
-}
-
-/// The environment's place among the lights.
-fn environment_light(world: &World<'_>) -> Option<usize> {
-    let mut lights = world.prepared.emitters.lights.iter();
-    lights.position(|l| *l == Emitter::Environment)
+    PdfDiscrete(
+        world
+            .prepared
+            .emitters
+            .index_of_environment()
+            .map_or(0.0, probability),
+    )
 }
 
 /// The cell of the environment's sampling grid in the unit direction `direction`, and its

@@ -185,8 +185,7 @@ impl<'a> Session<'a> {
     /// The driver fails.
     pub fn restart(&mut self, seed: u32, patterns: Patterns) -> Result<(), GpuError> {
         self.frame_data.seed = seed;
-        self.frame_data.patterns.pixel = patterns.pixel;
-        self.frame_data.patterns.light = patterns.light;
+        self.frame_data.patterns = patterns.into();
         self.write_frame()?;
         self.forget()
     }

@@ -25,7 +25,7 @@ pub(super) struct Region {
     /// The means of their groups of lights, and where these are read from.
     pub(super) light_groups: Option<[GpuBuffer<GroupMean>; 2]>,
     pub(super) bindings: RegionBindings,
-    pub(super) own: ExtraBindings,
+    pub(super) extra: ExtraBindings,
     /// The pixels as x + 2¹⁶·y in the order of their states, class by class, in rows of 64.
     order: Vec<u32>,
     order_buffer: GpuBuffer<u32>,
@@ -69,7 +69,7 @@ impl Region {
             first_tile,
             tiles,
             bindings: kernel.bind_region(device, &pass),
-            own: kernel.bind_extra(device, vec![order_buffer.binding()]),
+            extra: kernel.bind_extra(device, vec![order_buffer.binding()]),
             order: Vec::new(),
             order_buffer,
             rows: Vec::new(),
