@@ -254,8 +254,9 @@ impl<'a> Session<'a> {
             if let Some(allocation) = Allocation::after(&film, pilot) {
                 (self.film, self.rays) = (film, rays);
                 self.progress.share_out(allocation);
-                self.clear_all()?;
+                // After they have got their order, which may take more rows than before.
                 self.sort_pixels()?;
+                self.clear_all()?;
                 return Ok(samples);
             }
         }

@@ -113,6 +113,20 @@ fn passes_regions_and_lost_devices_change_nothing() {
     assert!(expected == found);
 }
 
+/// Pixels that have no more than the pilot's samples yet have nothing of the render before either.
+#[test]
+fn a_render_that_begins_again_forgets_the_one_before() {
+    let context = context();
+    let prepared = prepared(cornell(40, 30));
+    let mut again = session(context, &prepared, 2);
+    take(&mut again, 64);
+    again.restart(3, prepared.patterns()).unwrap();
+    take(&mut again, PILOT + 1);
+    let mut new = session(context, &prepared, 3);
+    take(&mut new, PILOT + 1);
+    assert!(new.snapshot().unwrap() == again.snapshot().unwrap());
+}
+
 #[test]
 fn sessions_begin_again() {
     let context = context();
