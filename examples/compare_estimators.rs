@@ -31,8 +31,8 @@ fn main() -> Result<(), Error> {
             println!("{:<26} no light found", strategy.to_string());
             continue;
         };
-        let efficiency = 1.0 / (error.rel_mse * seconds);
-        let percent = 100.0 * error.rel_mse.sqrt();
+        let efficiency = 1.0 / (error.rel_mse.value * seconds);
+        let percent = error.rel_mse.percent()[0];
         println!(
             "{:<26} {percent:>7.2} % {seconds:>8.2} {efficiency:>12.0}",
             strategy.to_string()

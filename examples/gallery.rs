@@ -35,7 +35,7 @@ fn main() -> Result<(), Error> {
         let image = renderer.render(scene)?;
         let path = folder.join(format!("{name}.png"));
         image.write(&path)?;
-        let error = image.error().map_or(f64::NAN, |e| 100.0 * e.rel_mse.sqrt());
+        let error = image.error().map_or(f64::NAN, |e| e.rel_mse.percent()[0]);
         println!("{}: relative error {error:.2} %", path.display());
     }
     Ok(())

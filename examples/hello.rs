@@ -7,7 +7,7 @@ fn main() -> Result<(), Error> {
     let scene = Scene::load("scenes/cornell.toml", &LoadOptions::default())?;
     let image = Renderer::new()?.render(scene)?;
     image.write("hello.png")?;
-    let error = image.error().map_or(f64::NAN, |e| 100.0 * e.rel_mse.sqrt());
-    println!("hello.png: relative error {error:.2} %");
+    let error = image.error().map_or(f64::NAN, |e| e.nmse.percent()[0]);
+    println!("hello.png: √NMSE {error:.2} %");
     Ok(())
 }

@@ -149,12 +149,12 @@ use low_level::{
 };
 
 pub use error::Error;
-pub use render::{Film, RelMse, StoppedBy};
+pub use render::{Film, ImageError, StatedError, StoppedBy};
 pub use renderer::{Image, ProgressiveRender, Renderer};
 pub use scene::load::LoadOptions;
 pub use scene::{
-    Bsdf, Camera, DirectionalLight, Emission, Environment, EnvironmentRadiance, EstimatorSettings,
-    FilmSize, Geometry, Light, LightSampling, LightSelection, Material, MaterialId, Mesh,
-    PointLight, Projection, RenderSettings, Sampler, Scene, Shape, SpotLight, StopSettings,
-    Strategy, SunLight,
+    Bsdf, Camera, DirectionalLight, Emission, Environment, EnvironmentRadiance, ErrorMetric,
+    EstimatorSettings, FilmSize, Geometry, Light, LightSampling, LightSelection, Material,
+    MaterialId, Mesh, PointLight, Projection, RenderSettings, Sampler, Scene, Shape, SpotLight,
+    StopSettings, Strategy, SunLight,
 };

@@ -6,7 +6,7 @@ use crate::gpu::Context;
 use crate::image::png::Display;
 use crate::image::{exr, extension, layers, png};
 use crate::prepare::Prepared;
-use crate::render::{Film, Passes, RelMse, Session, StoppedBy, render_aovs};
+use crate::render::{Film, ImageError, Passes, Session, StoppedBy, render_aovs};
 use crate::scene::Scene;
 use crate::scene::load::validate_and_fold;
 use half::f16;
@@ -170,8 +170,9 @@ impl Image {
         self.film.mean()
     }
 
-    /// relMSE of the whole image with its 95 % interval; `None` while it cannot be told.
-    pub fn error(&self) -> Option<RelMse> {
+    /// The error of the whole image with intervals of 95 % confidence; `None` while the image is
+    /// black or a pixel has fewer than two samples.
+    pub fn error(&self) -> Option<ImageError> {
         self.film.error()
     }
 

@@ -104,8 +104,11 @@ fn render_writes_exr_png_and_json() {
     assert_eq!(report["rays"]["camera"], 3 * 24 * 16);
     assert_eq!(report["strategy"], "mis-power");
     let error = &report["error"];
-    assert!(error["rel_mse_low"].as_f64() <= error["rel_mse"].as_f64());
-    assert!(error["rel_mse"].as_f64() <= error["rel_mse_high"].as_f64());
+    for metric in ["nmse", "rel_mse"] {
+        let end = |which: &str| error[format!("{metric}{which}")].as_f64().unwrap();
+        assert!(end("_low") <= end("") && end("") <= end("_high"), "{error}");
+        assert!(error.get(format!("{metric}_doubt")).is_some());
+    }
     check_exr(&exr, &report);
 }
 
@@ -142,6 +145,12 @@ fn check_exr(path: &Path, report: &Value) {
             .all(|n| (n - 3.0).abs() < 0.1)
     );
     let other = &layer.attributes.other;
+    for name in ["nmse", "rel_mse"] {
+        assert!(
+            other.contains_key(&exr::prelude::Text::from(name)),
+            "{name}"
+        );
+    }
     for (name, value) in [
         ("seed", "5"),
         ("spp", "3"),
@@ -347,25 +356,20 @@ fn time_limits_a_render() {
 fn an_error_ends_a_render() {
     let folder = tempfile::tempdir().unwrap();
     let [exr, json] = ["a.exr", "a.json"].map(|n| folder.path().join(n));
-    let mut arguments = vec!["render", "scenes/cornell.toml", "--size", "48x48"];
-    arguments.extend([
-        "--sampler",
-        "sobol",
-        "--error",
-        "0.08",
-        "--json",
-        text(&json),
-    ]);
-    let (code, _, stderr) = run(&[&arguments[..], &["-o", text(&exr)]].concat());
-    assert_eq!(code, 0, "{stderr}");
-    let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
-    assert_eq!(report["stopped_by"], "error");
-    let error = &report["error"];
-    assert!(
-        error["rel_mse_high"].as_f64().unwrap() <= 0.08 * 0.08,
-        "{error}"
-    );
-    assert_eq!(error["confidence"], 0.95);
+    for (metric, key, flags) in [
+        ("nmse", "nmse_high", &[][..]),
+        ("rel-mse", "rel_mse_high", &["--error-metric", "rel-mse"]),
+    ] {
+        let mut arguments = vec!["render", "scenes/cornell.toml", "--size", "48x48"];
+        arguments.extend(["--error", "0.08", "--json", text(&json)]);
+        let (code, _, stderr) = run(&[&arguments[..], flags, &["-o", text(&exr)]].concat());
+        assert_eq!(code, 0, "{stderr}");
+        let report: Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+        assert_eq!(report["stopped_by"], "error", "{metric}");
+        let error = &report["error"];
+        assert!(error[key].as_f64().unwrap() <= 0.08 * 0.08, "{error}");
+        assert_eq!(error["confidence"], 0.95);
+    }
     for wrong in [["--error", "0"], ["--error", "nan"], ["--confidence", "1"]] {
         let (code, _, stderr) = run(&[
             "render",

@@ -204,6 +204,8 @@ fn structs_have_the_same_members() {
         first_infinite,
         second_mean,
         second_samples,
+        second_m2,
+        padding,
     });
     let record = members!(SampleRecord {
         radiance,

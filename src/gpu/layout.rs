@@ -221,6 +221,10 @@ pub struct PixelState {
     pub second_mean: [f32; 3],
     /// Number of finite samples at odd positions.
     pub second_samples: u32,
+    /// Sum of squared deviations of the second replicate from its mean.
+    pub second_m2: [f32; 3],
+    /// Unused.
+    pub padding: u32,
 }
 
 /// A pixel's mean radiance of a group of lights, as bits, and the number of its samples; see

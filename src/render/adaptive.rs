@@ -13,6 +13,7 @@
 
 use super::film::Film;
 use crate::scene::FilmSize;
+use crate::stats::sums::sum;
 use rayon::prelude::*;
 
 /// Samples of the pilot; later powers of two where it found no light.
@@ -71,7 +72,8 @@ impl Allocation {
             if count > 0.0 { (sum / 3.0).sqrt() } else { 0.0 }
         });
         let errors: Vec<f64> = errors.collect();
-        let middle = errors.par_iter().sum::<f64>() / errors.len() as f64;
+        let [sum] = sum(errors.par_iter().map(|error| [*error]));
+        let middle = sum / errors.len() as f64;
         if !(middle > 0.0 && middle.is_finite()) {
             return None;
         }
@@ -159,6 +161,7 @@ mod tests {
                 m2: [1.0; 3],
                 second_samples: PILOT / 2,
                 second_mean: [1.0 - half; 3],
+                ..Pixel::default()
             };
         }
         film

@@ -3,10 +3,11 @@
 use crate::gpu::layout::{GroupMean, PixelState};
 use crate::scene::{FilmSize, Sampler};
 use crate::stats::moments::Moments;
+use crate::stats::sums::sum;
 use rayon::prelude::*;
 
-/// One pixel's samples so far: per channel the [`Moments`], which share their count, and the mean
-/// of the second of two independent *replicates*, that of the samples with odd indices.
+/// One pixel's samples so far: per channel the [`Moments`], which share their count, and those of
+/// the second of two independent *replicates*, that of the samples with odd indices.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Pixel {
     /// Number of finite samples.
@@ -19,6 +20,8 @@ pub struct Pixel {
     pub second_samples: u64,
     /// Mean radiance of the second replicate.
     pub second_mean: [f64; 3],
+    /// Sum of squared deviations of the second replicate from its mean.
+    pub second_m2: [f64; 3],
 }
 
 impl Pixel {
@@ -39,13 +42,16 @@ impl Pixel {
             (self.mean[c], self.m2[c]) = (channel.mean, channel.m2);
         }
         self.samples += u64::from(block.samples);
-        if block.second_samples > 0 {
-            self.second_samples += u64::from(block.second_samples);
-            let part = f64::from(block.second_samples) / self.second_samples as f64;
-            for (mean, of_block) in self.second_mean.iter_mut().zip(block.second_mean) {
-                *mean += (unit * f64::from(of_block) - *mean) * part;
-            }
+        for c in 0..3 {
+            let mut channel = self.second_channel(c);
+            channel.merge(&Moments {
+                count: u64::from(block.second_samples),
+                mean: unit * f64::from(block.second_mean[c]),
+                m2: unit * unit * f64::from(block.second_m2[c]),
+            });
+            (self.second_mean[c], self.second_m2[c]) = (channel.mean, channel.m2);
         }
+        self.second_samples += u64::from(block.second_samples);
     }
 
     /// The moments of one channel.
@@ -55,6 +61,33 @@ impl Pixel {
             mean: self.mean[c],
             m2: self.m2[c],
         }
+    }
+
+    /// The moments of one channel of the second replicate.
+    pub fn second_channel(&self, c: usize) -> Moments {
+        Moments {
+            count: self.second_samples,
+            mean: self.second_mean[c],
+            m2: self.second_m2[c],
+        }
+    }
+
+    /// Per channel the variance of the mean over all samples, as if each had been drawn by itself,
+    /// as the scatter of either replicate alone tells it: the two are independent of each other.
+    /// Zero for a replicate of fewer than two samples; `None` while one has none.
+    pub fn variances_by_replicate(&self) -> Option<[[f64; 3]; 2]> {
+        let replicates = self.replicates()?;
+        let n = self.samples as f64;
+        let [first, second] = [self.samples - self.second_samples, self.second_samples];
+        let between = first as f64 * second as f64 / n;
+        let variance = |m2: f64, samples: u64| m2.max(0.0) / (n * samples.max(2) as f64 - n);
+        let of_first = |c: usize| {
+            let difference = replicates[0][c] - replicates[1][c];
+            let m2 = self.m2[c] - self.second_m2[c] - difference * difference * between;
+            variance(m2, first)
+        };
+        let of_second = |c: usize| variance(self.second_m2[c], second);
+        Some([[0, 1, 2].map(of_first), [0, 1, 2].map(of_second)])
     }
 
     /// Variance of the mean per channel, as if each sample had been drawn by itself; `None` below
@@ -192,11 +225,7 @@ impl Film {
 
     /// Mean of each channel over the image.
     pub fn mean(&self) -> [f64; 3] {
-        let sum = self
-            .pixels
-            .par_iter()
-            .map(|p| p.mean)
-            .reduce(|| [0.0; 3], |a, b| [a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+        let sum = sum(self.pixels.par_iter().map(|p| p.mean));
         sum.map(|s| s / self.pixels.len() as f64)
     }
 
@@ -230,6 +259,7 @@ mod tests {
                 state.m2[c] += delta * (x - state.mean[c]);
                 let delta = (x - state.second_mean[c]) * second as f32;
                 state.second_mean[c] += delta / state.second_samples.max(1) as f32;
+                state.second_m2[c] += delta * (x - state.second_mean[c]);
             }
         }
         state
@@ -256,6 +286,13 @@ mod tests {
         assert!((pixel.second_mean[2] - second).abs() < 1e-6 * second);
         let half = pixel.half_difference().expect("1000 samples")[0];
         assert!((half - (mean - second)).abs() < 1e-5);
+        let told = pixel.variances_by_replicate().expect("1000 samples");
+        for (first, told) in told.into_iter().enumerate() {
+            let values = values.iter().skip(first).step_by(2);
+            let replicate: Moments = values.map(|&x| f64::from(x)).collect();
+            let expected = replicate.variance().expect("500 samples") / n;
+            assert!((told[1] - expected).abs() < 1e-5 * expected, "{told:?}");
+        }
     }
 
     #[test]
@@ -270,6 +307,17 @@ mod tests {
         };
         let half = pixel.half_difference().expect("both have samples")[1];
         assert!((half - 2.0 * 3.0_f64.sqrt() / 4.0).abs() < 1e-12);
+        // The first has one sample, and no scatter; the second has three of the sum 6.
+        let scattered = Pixel {
+            m2: [9.0; 3],
+            second_m2: [6.0; 3],
+            ..pixel
+        };
+        let [first, second] = scattered
+            .variances_by_replicate()
+            .expect("both have samples");
+        assert_eq!(first, [0.0; 3]);
+        assert!((second[0] - 6.0 / (4.0 * 2.0)).abs() < 1e-12);
         let alone = Pixel {
             samples: 3,
             ..pixel

@@ -4,17 +4,22 @@ use super::error::CONFIDENCE;
 use super::film::Film;
 use super::session::Session;
 use crate::error::GpuError;
+use crate::scene::ErrorMetric;
 
 /// Samples per pixel at which the error is looked at for the first time.
 const FIRST_LOOK: u64 = 16;
+/// Confidence of the interval that has to be below the goal where an image cannot tell its error.
+const BEYOND_DOUBT: f64 = 0.999;
 /// Samples per pixel after which an image without any light counts as black: it has no relative
 /// error to reach.
 const BLACK: u64 = 1024;
 
-/// A relative error and how sure it has to be.
+/// An error that an image is to have, and how sure it has to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorGoal {
-    /// √relMSE of the image.
+    /// What it is measured in.
+    pub metric: ErrorMetric,
+    /// The square root of the image's error in that metric.
     pub relative: f64,
     /// Confidence of the interval whose upper end has to be below it.
     pub confidence: f64,
@@ -22,8 +27,9 @@ pub struct ErrorGoal {
 
 impl ErrorGoal {
     /// With the usual confidence.
-    pub fn new(relative: f64) -> Self {
+    pub fn new(metric: ErrorMetric, relative: f64) -> Self {
         Self {
+            metric,
             relative,
             confidence: CONFIDENCE,
         }
@@ -88,10 +94,15 @@ impl ErrorMonitor {
                 Verdict::Black
             };
         };
-        if error.rel_mse_high <= goal {
+        let mut upper = error.in_metric(self.goal.metric).high;
+        if upper <= goal && error.in_metric(self.goal.metric).doubt.is_some() {
+            let surer = film.error_at(self.goal.confidence.max(BEYOND_DOUBT));
+            upper = surer.map_or(f64::INFINITY, |e| e.in_metric(self.goal.metric).high);
+        }
+        if upper <= goal {
             return Verdict::Reached;
         }
-        let due = samples as f64 * (error.rel_mse_high / goal);
+        let due = samples as f64 * (upper / goal);
         let (least, most) = (samples + samples.div_ceil(8), 2 * samples);
         // Both replicates have the same number of samples where it is even.
         self.next = (due.min(most as f64) as u64)
@@ -124,6 +135,7 @@ mod tests {
                 m2: [64.0 * 63.0 * half * half; 3],
                 second_samples: 32,
                 second_mean: [brightness + sign * half; 3],
+                ..Pixel::default()
             };
         }
         film
@@ -131,10 +143,10 @@ mod tests {
 
     #[test]
     fn the_goal_is_reached_when_the_interval_is_below_it() {
-        // The interval's upper end is 1.96·√(4/3)/64 = 3.5 % above the estimate, that of √relMSE
-        // half as much.
-        for (relative, reached) in [(0.0101, false), (0.0103, true)] {
-            let mut monitor = ErrorMonitor::new(ErrorGoal::new(relative));
+        // All pixels share the error alike: the interval's upper end is e^(1.96·√(4/64²)) = 1.063
+        // times the estimate, that of √relMSE 1.031 times.
+        for (relative, reached) in [(0.0103, false), (0.0104, true)] {
+            let mut monitor = ErrorMonitor::new(ErrorGoal::new(ErrorMetric::RelMse, relative));
             let verdict = monitor.judge(&film(1.0), 64);
             assert_eq!(
                 verdict == Verdict::Reached,
@@ -143,8 +155,8 @@ mod tests {
             );
         }
         let surer = ErrorGoal {
-            relative: 0.0103,
             confidence: 0.9999,
+            ..ErrorGoal::new(ErrorMetric::RelMse, 0.0104)
         };
         assert_eq!(
             ErrorMonitor::new(surer).judge(&film(1.0), 64),
@@ -155,7 +167,7 @@ mod tests {
     #[test]
     fn the_next_look_is_where_the_goal_should_be_reached() {
         let next = |relative: f64| {
-            let mut monitor = ErrorMonitor::new(ErrorGoal::new(relative));
+            let mut monitor = ErrorMonitor::new(ErrorGoal::new(ErrorMetric::RelMse, relative));
             monitor.judge(&film(1.0), 64);
             monitor.next()
         };
@@ -167,7 +179,7 @@ mod tests {
 
     #[test]
     fn black_is_noticed() {
-        let mut monitor = ErrorMonitor::new(ErrorGoal::new(0.01));
+        let mut monitor = ErrorMonitor::new(ErrorGoal::new(ErrorMetric::Nmse, 0.01));
         assert_eq!(monitor.judge(&film(0.0), 512), Verdict::NotYet);
         assert_eq!(monitor.judge(&film(0.0), 1024), Verdict::Black);
     }

@@ -16,7 +16,7 @@ pub mod session;
 pub use aov::{AovImages, render_aovs};
 pub use cache_buster::CacheBuster;
 pub use check::Check;
-pub use error::{CONFIDENCE, RelMse, tile_sums};
+pub use error::{CONFIDENCE, Doubt, ImageError, StatedError, tile_sums};
 pub use film::{Film, FirstBad, Ledger, Pixel};
 pub use goal::ErrorGoal;
 pub use passes::{Passes, StoppedBy};

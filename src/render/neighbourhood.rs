@@ -3,11 +3,15 @@
 use crate::scene::FilmSize;
 use rayon::prelude::*;
 
-/// Per pixel and channel the mean over the square of pixels at most `radius` away, as far as it
+/// Per pixel and value the mean over the square of pixels at most `radius` away, as far as it
 /// lies in the image.
-pub(crate) fn box_mean(values: &[[f64; 3]], size: FilmSize, radius: usize) -> Vec<[f64; 3]> {
+pub(crate) fn box_mean<const N: usize>(
+    values: &[[f64; N]],
+    size: FilmSize,
+    radius: usize,
+) -> Vec<[f64; N]> {
     let (width, height) = (size.width as usize, size.height as usize);
-    let mut rows = vec![[0.0; 3]; values.len()];
+    let mut rows = vec![[0.0; N]; values.len()];
     rows.par_chunks_mut(width)
         .zip(values.par_chunks(width))
         .for_each(|(out, row)| {
@@ -15,7 +19,7 @@ pub(crate) fn box_mean(values: &[[f64; 3]], size: FilmSize, radius: usize) -> Ve
                 *out = mean(&row[x.saturating_sub(radius)..(x + radius + 1).min(width)]);
             }
         });
-    let mut means = vec![[0.0; 3]; values.len()];
+    let mut means = vec![[0.0; N]; values.len()];
     means
         .par_chunks_mut(width)
         .enumerate()
@@ -24,7 +28,7 @@ pub(crate) fn box_mean(values: &[[f64; 3]], size: FilmSize, radius: usize) -> Ve
             let part = 1.0 / around.len() as f64;
             for y in around {
                 for (out, value) in out.iter_mut().zip(&rows[y * width..]) {
-                    for c in 0..3 {
+                    for c in 0..N {
                         out[c] += value[c] * part;
                     }
                 }
@@ -34,26 +38,26 @@ pub(crate) fn box_mean(values: &[[f64; 3]], size: FilmSize, radius: usize) -> Ve
 }
 
 /// The same without the pixel itself, from the `means` with it; zero where there are no others.
-pub(crate) fn mean_of_others(
-    means: &[[f64; 3]],
-    values: &[[f64; 3]],
+pub(crate) fn mean_of_others<const N: usize>(
+    means: &[[f64; N]],
+    values: &[[f64; N]],
     size: FilmSize,
     radius: usize,
-) -> Vec<[f64; 3]> {
+) -> Vec<[f64; N]> {
     let (width, height) = (size.width as usize, size.height as usize);
     let side = |at: usize, length: usize| (at + radius + 1).min(length) - at.saturating_sub(radius);
     let pixels = means.par_iter().zip(values).enumerate();
     let others = pixels.map(|(i, (mean, value))| {
         let count = (side(i % width, width) * side(i / width, height)) as f64;
-        [0, 1, 2].map(|c| (count * mean[c] - value[c]) / (count - 1.0).max(1.0))
+        std::array::from_fn(|c| (count * mean[c] - value[c]) / (count - 1.0).max(1.0))
     });
     others.collect()
 }
 
-fn mean(values: &[[f64; 3]]) -> [f64; 3] {
-    let sum = values.iter().fold([0.0; 3], |sum, v| {
-        [sum[0] + v[0], sum[1] + v[1], sum[2] + v[2]]
-    });
+fn mean<const N: usize>(values: &[[f64; N]]) -> [f64; N] {
+    let sum = values
+        .iter()
+        .fold([0.0; N], |sum, v| std::array::from_fn(|c| sum[c] + v[c]));
     sum.map(|s| s / values.len() as f64)
 }
 

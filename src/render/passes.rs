@@ -44,6 +44,7 @@ impl Passes {
     /// Those of a render by `settings`, whose time begins now.
     pub fn new(settings: &RenderSettings) -> Self {
         let goal = settings.stop.error.map(|relative| ErrorGoal {
+            metric: settings.stop.error_metric,
             relative,
             confidence: settings.stop.confidence,
         });

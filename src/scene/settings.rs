@@ -2,6 +2,7 @@
 
 use super::aov::{Aov, Aovs};
 use super::choice::choice;
+use super::error_metric::ErrorMetric;
 use super::sampler::Sampler;
 #[cfg(feature = "clap")]
 use super::shadow_rays::MAX_SHADOW_RAYS;
@@ -297,8 +298,11 @@ render_table! {
         /// Seconds of rendering after which it ends, even with fewer samples; none: `spp` alone
         /// decides.
         time: Option<f64> = None,
-        /// Relative error of the image, √relMSE, at which it ends; none: other settings decide.
+        /// Error of the image, √NMSE or √relMSE as `error_metric` says, at which it ends; none:
+        /// other settings decide.
         error: Option<f64> = None,
+        /// What `error` is measured in.
+        error_metric: ErrorMetric = ErrorMetric::default(),
         /// Confidence with which the image's error has to be below `error`, between 0 and 1.
         confidence: f64 = 0.95,
     }

@@ -1,7 +1,7 @@
 //! Values with 95 % confidence intervals.
 
 use serde::Serialize;
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// The two-sided 95 % quantile of the normal distribution.
 pub const NORMAL_95: f64 = 1.959_963_984_540_054;
@@ -19,6 +19,20 @@ pub fn student(degrees_of_freedom: f64, confidence: f64) -> f64 {
         return Normal::standard().inverse_cdf(below);
     }
     StudentsT::new(0.0, 1.0, degrees_of_freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(below))
+}
+
+/// The quantile of Fisher's F distribution below which a ratio lies with the probability `below`:
+/// that of two means of squares of normal numbers, of which the upper has `upper` degrees of freedom
+/// and the lower `lower`.
+pub fn fisher(upper: f64, lower: f64, below: f64) -> f64 {
+    const MANY: f64 = 1e4;
+    if upper.min(lower) > MANY {
+        // Nearly normal in its logarithm.
+        let deviation = (2.0 / upper + 2.0 / lower).sqrt();
+        return (deviation * Normal::standard().inverse_cdf(below)).exp();
+    }
+    let lower = lower.min(1e6);
+    FisherSnedecor::new(upper, lower).map_or(f64::INFINITY, |f| f.inverse_cdf(below))
 }
 
 /// A value that cannot be negative, with its 95 % confidence interval.

@@ -20,6 +20,7 @@ pub mod kolmogorov;
 pub mod moments;
 pub mod pairs;
 pub mod sidak;
+pub(crate) mod sums;
 pub mod symmetric;
 pub mod t_test;
 pub mod z_test;

@@ -3,7 +3,7 @@
 use crate::support::{context, prepared_for, scene};
 use direkt::low_level::render::Session;
 use direkt::scene::{FilmSize, LightSelection, RenderSettings, Sampler, Scene, Strategy};
-use direkt_instruments::cost::calibrate::{Settings, calibrate};
+use direkt_instruments::cost::calibrate::{Reported, Settings, calibrate};
 use direkt_instruments::cost::estimator::{Choices, combinations};
 use std::cell::Cell;
 
@@ -32,7 +32,7 @@ fn settings() -> Settings {
             ..Choices::of(&RenderSettings::default())
         }),
         images: IMAGES,
-        samples: 32,
+        samples: vec![32],
         seed: 40,
     }
 }
@@ -65,17 +65,25 @@ fn assert_calibrated(scene: &Scene, settings: &Settings) {
     let found = calibrate(context(), scene, settings, &mut |_, _| {}, &|| false);
     for c in found.unwrap() {
         let off = |value: f64, due: f64| (value - due).abs();
-        assert!(
-            off(c.ratio.value, 1.0) < 0.1 + 4.0 * c.ratio.standard_error,
-            "{c:#?}"
-        );
         let of_95 = (0.95_f64 * 0.05 / f64::from(IMAGES)).sqrt();
-        assert!(c.coverage.value > 0.93 - 4.0 * of_95, "{c:#?}");
+        for reported in [&c.nmse, &c.rel_mse] {
+            assert!(
+                off(reported.ratio.value, 1.0) < 0.1 + 4.0 * reported.ratio.standard_error,
+                "{c:#?}"
+            );
+        }
+        let covered = |reported: &Reported| reported.coverage.value > 0.93 - 4.0 * of_95;
+        assert!(c.rel_mse.told.value > 0.99 && covered(&c.rel_mse), "{c:#?}");
         let stopped = &c.stopped;
-        assert!(
-            off(stopped.ratio.value, 1.0) < 0.1 + 4.0 * stopped.ratio.standard_error,
-            "{c:#?}"
-        );
+        // A few pixels at the lamp's edge may hold most of the NMSE of an image so small. Then it
+        // says so, and stops so late that the truth, of fewer samples, cannot judge it.
+        if c.nmse.told.value > 0.5 {
+            assert!(covered(&c.nmse) && stopped.reached.value > 0.99, "{c:#?}");
+            assert!(
+                off(stopped.ratio.value, 1.0) < 0.1 + 4.0 * stopped.ratio.standard_error,
+                "{c:#?}"
+            );
+        }
         assert!(stopped.below_target.value > 0.93 - 4.0 * of_95, "{c:#?}");
         for bias in stopped.bias_of_mean {
             assert!(off(bias.value, 0.0) < 4.5 * bias.standard_error, "{c:#?}");

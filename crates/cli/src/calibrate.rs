@@ -18,9 +18,17 @@ pub struct CalibrateArguments {
     /// Images of each sampler for --calibrate
     #[arg(long, value_name = "N", default_value_t = 200, requires = "calibrate", value_parser = clap::value_parser!(u32).range(10..=10_000))]
     images: u32,
-    /// Samples per pixel of these images [default: the scene's]
-    #[arg(long, value_name = "N", requires = "calibrate", value_parser = clap::value_parser!(u64).range(2..))]
-    spp: Option<u64>,
+    /// Samples per pixel of these images, one number or several [default: the scene's]
+    #[arg(long, value_name = "LIST", requires = "calibrate", value_delimiter = ',', value_parser = clap::value_parser!(u64).range(2..))]
+    spp: Vec<u64>,
+    /// Whether they are sampled adaptively, `false,true` for both [default: the scene's]
+    #[arg(
+        long,
+        value_name = "LIST",
+        requires = "calibrate",
+        value_delimiter = ','
+    )]
+    adaptive: Vec<bool>,
 }
 
 impl CalibrateArguments {
@@ -32,14 +40,21 @@ impl CalibrateArguments {
         strategies: &[Strategy],
         samplers: &[Sampler],
     ) -> Settings {
+        let choices = Choices {
+            strategies: or(strategies, &[scene.render.estimator.strategy]),
+            samplers: or(samplers, Sampler::value_variants()),
+            ..Choices::of(&scene.render)
+        };
+        let allocations = or(&self.adaptive, &[scene.render.estimator.adaptive]);
+        let estimators = allocations.into_iter().flat_map(|adaptive| {
+            let mut choices = choices.clone();
+            choices.base.adaptive = adaptive;
+            combinations(&choices)
+        });
         Settings {
-            estimators: combinations(&Choices {
-                strategies: or(strategies, &[scene.render.estimator.strategy]),
-                samplers: or(samplers, Sampler::value_variants()),
-                ..Choices::of(&scene.render)
-            }),
+            estimators: estimators.collect(),
             images: self.images,
-            samples: self.spp.unwrap_or(scene.render.stop.spp),
+            samples: or(&self.spp, &[scene.render.stop.spp]),
             seed: scene.render.seed,
         }
     }
@@ -51,34 +66,45 @@ pub fn print_table(calibrations: &[Calibration]) {
         return;
     };
     print(&format!(
-        "{}: {} × {}, {} images of {} samples per pixel each\n  {:<44}{:>10}{:>22}{:>18}   stopped at √relMSE{:>22}{:>18}{:>26}\n",
+        "{}: {} × {}, {} images each\n  {:<44}{:>6}{:>10}{:>18}{:>9}{:>15}{:>18}{:>9}{:>15}  stopped at √NMSE{:>18}{:>15}\n",
         first.scene,
         first.width,
         first.height,
         first.images,
-        first.samples,
         "estimator",
-        "relMSE",
+        "spp",
+        "√NMSE",
         "reported/actual",
-        "in 95 % interval",
+        "told",
+        "in 95 %",
+        "relMSE: rep./act.",
+        "told",
+        "in 95 %",
         "reported/actual",
         "below target",
-        "bias of the mean",
     ));
     for c in calibrations {
-        let s = &c.stopped;
-        let bias = s.bias_of_mean[1];
+        let (nmse, rel_mse, stopped) = (&c.nmse, &c.rel_mse, &c.stopped);
+        let adaptive = if c.estimator.settings.adaptive {
+            " · adaptive"
+        } else {
+            ""
+        };
         print(&format!(
-            "  {:<44}{:>10}{:>22}{:>18}   {:>7} after {:>7.1}{:>22}{:>18}{:>26}\n",
-            c.estimator.to_string(),
-            short(c.actual),
-            plus_minus(c.ratio, 3),
-            percent(c.coverage),
-            short(s.target),
-            s.samples,
-            plus_minus(s.ratio, 3),
-            percent(s.below_target),
-            format!("{:+.1e} ± {:.1e}", bias.value, bias.standard_error),
+            "  {:<44}{:>6}{:>8} %{:>18}{:>9}{:>15}{:>18}{:>9}{:>15}  {:>6} % in {:>5.0}{:>18}{:>15}\n",
+            format!("{}{adaptive}", c.estimator),
+            c.samples,
+            short(100.0 * nmse.actual.sqrt()),
+            plus_minus(nmse.ratio, 3),
+            format!("{:.0} %", 100.0 * nmse.told.value),
+            percent(nmse.coverage),
+            plus_minus(rel_mse.ratio, 3),
+            format!("{:.0} %", 100.0 * rel_mse.told.value),
+            percent(rel_mse.coverage),
+            short(100.0 * stopped.target),
+            stopped.samples,
+            plus_minus(stopped.ratio, 3),
+            percent(stopped.below_target),
         ));
     }
 }

@@ -289,8 +289,9 @@ impl Arguments {
                 failed = Err(error);
                 Vec::new()
             });
-            if found.len() < settings.estimators.len() {
-                let missing = settings.estimators[found.len()..].iter();
+            let finished = found.len() / settings.samples.len();
+            if finished < settings.estimators.len() {
+                let missing = settings.estimators[finished..].iter();
                 let source = scene.source.display();
                 not_measured.extend(missing.map(|e| format!("{source}: {e}")));
             }

@@ -1,7 +1,7 @@
 //! Progress bars, on stderr.
 
 use direkt::error::GpuError;
-use direkt::low_level::render::{RelMse, Session};
+use direkt::low_level::render::{ImageError, Session};
 use direkt_instruments::report::format::seconds as in_unit;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
@@ -54,7 +54,7 @@ pub struct Progress {
     spp: u64,
     time: Option<Duration>,
     next_look: Instant,
-    error: Option<RelMse>,
+    error: Option<ImageError>,
     rays_per_sample: f64,
 }
 
@@ -96,9 +96,9 @@ impl Progress {
         let by_time = self.time.map_or(0.0, |t| seconds / t.as_secs_f64());
         let done = by_samples.max(by_time).clamp(0.0, 1.0);
         let rate = session.samples() as f64 * pixels as f64 / seconds / 1e6;
-        let error = self
-            .error
-            .map_or_else(String::new, |e| format!(" · relMSE {:.2e}", e.rel_mse));
+        let error = self.error.map_or_else(String::new, |e| {
+            format!(" · √NMSE {:.2} %", e.nmse.percent()[0])
+        });
         let left = seconds / done.max(1e-9) * (1.0 - done);
         self.bar.set_position((done * 1000.0) as u64);
         self.bar.set_message(format!(

@@ -19,7 +19,7 @@ use direkt::low_level::render::{
     AovImages, Failure, Film, Pixel, RayCounts, Session, StoppedBy, render_aovs,
     render_keeping_image,
 };
-use direkt::scene::{Aovs, Scene};
+use direkt::scene::{Aovs, ErrorMetric, Scene};
 use live::{Live, LiveArguments};
 use report::{Seconds, command_line, ledger_sentence, report, summary};
 use std::process::ExitCode;
@@ -56,10 +56,13 @@ struct SettingsArguments {
     /// Stop after this many seconds of rendering; without --spp nothing else stops it
     #[arg(long, value_name = "SECONDS")]
     time: Option<f64>,
-    /// Stop at this relative error of the image, √relMSE, such as 0.01; without --spp or --time
-    /// nothing else stops it
+    /// Stop at this error of the image, such as 0.01: √NMSE unless --error-metric says otherwise;
+    /// without --spp or --time nothing else stops it
     #[arg(long, value_name = "RELATIVE")]
     error: Option<f64>,
+    /// What --error is measured in [default: the scene's, nmse as a rule]
+    #[arg(long, value_name = "METRIC", value_enum)]
+    error_metric: Option<ErrorMetric>,
     /// Confidence with which the error has to be below --error [default: the scene's, 0.95 as a
     /// rule]
     #[arg(long, value_name = "PROBABILITY")]
@@ -100,6 +103,7 @@ impl SettingsArguments {
         }
         render.stop.time = self.time.or(render.stop.time);
         render.stop.error = self.error.or(render.stop.error);
+        render.stop.error_metric = self.error_metric.unwrap_or(render.stop.error_metric);
         render.stop.confidence = self.confidence.unwrap_or(render.stop.confidence);
         render.stop.spp = self.spp.unwrap_or(render.stop.spp);
         self.aov.apply(scene);

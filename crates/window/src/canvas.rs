@@ -90,7 +90,7 @@ fn caption(app: &App, painter: &egui::Painter, index: usize, at: Pos2, align: eg
     if let Some(picture) = &app.status.pictures[index] {
         text += &format!("\n{} samples, {:.1} s", picture.samples, picture.seconds);
         if let Some(error) = picture.error {
-            text += &format!("\nerror {:.2} %", 100.0 * error.rel_mse.sqrt());
+            text += &format!("\nerror {:.2} %", error.nmse.percent()[0]);
         }
     }
     let font = egui::FontId::proportional(14.0);

@@ -14,7 +14,7 @@ pub struct Run {
     number: u64,
     /// How it was rendered, in words.
     pub label: String,
-    /// Seconds and √relMSE.
+    /// Seconds and √NMSE.
     pub points: Arc<Vec<[f64; 2]>>,
 }
 

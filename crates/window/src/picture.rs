@@ -6,7 +6,7 @@ use direkt::low_level::effects::Effect;
 use direkt::low_level::image::heat::{heat, ramp};
 use direkt::low_level::image::png::Display;
 use direkt::low_level::image::signed;
-use direkt::low_level::render::{Film, RayCounts, RelMse};
+use direkt::low_level::render::{Film, ImageError, RayCounts};
 use direkt::scene::FilmSize;
 use eframe::egui::{Color32, ColorImage};
 use glam::DVec3;
@@ -42,8 +42,8 @@ pub struct Picture {
     /// Rays traced.
     pub rays: RayCounts,
     /// The image's error, when it was last looked at.
-    pub error: Option<RelMse>,
-    /// Seconds and √relMSE, as often as it was looked at.
+    pub error: Option<ImageError>,
+    /// Seconds and √NMSE, as often as it was looked at.
     pub curve: Arc<Vec<[f64; 2]>>,
     /// What is compiled in, and why.
     pub effects: Arc<Vec<(Effect, String)>>,
@@ -157,6 +157,7 @@ mod tests {
                 m2: [12.0 * value * value; 3],
                 second_samples: 2,
                 second_mean: [value; 3],
+                ..Pixel::default()
             };
         }
         film

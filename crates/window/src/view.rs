@@ -13,7 +13,7 @@ use direkt::low_level::reference::scene::fetch::World;
 use direkt::low_level::reference::scene::opacity::Crossings;
 use direkt::low_level::reference::scene::surface::surface_at;
 use direkt::low_level::reference::scene::trace::closest_hit;
-use direkt::low_level::render::{Checkpoint, Film, RayCounts, RelMse, Session, StopReason};
+use direkt::low_level::render::{Checkpoint, Film, ImageError, RayCounts, Session, StopReason};
 use direkt::scene::normalize::{Normalization, bounds};
 use direkt::scene::{Camera, FilmSize, Scene, validate};
 use glam::DVec2;
@@ -62,7 +62,7 @@ pub struct View<'a> {
     /// Seconds spent on looks at the error in this run.
     error_spent: f64,
     shown_samples: u64,
-    error: Option<RelMse>,
+    error: Option<ImageError>,
     curve: Vec<[f64; 2]>,
 }
 
@@ -308,7 +308,7 @@ impl<'a> View<'a> {
             if let Some(error) = error {
                 self.error_seconds = seconds;
                 self.error = Some(error);
-                self.curve.push([self.seconds, error.rel_mse.sqrt()]);
+                self.curve.push([self.seconds, error.nmse.value.sqrt()]);
             }
         }
         Picture {

@@ -11,297 +11,202 @@
 //!
 //! a product of two independent numbers whose means are zero. So whatever the sampler and however
 //! heavy the tails of its samples, the squared half differences estimate the squared error of *this*
-//! image without bias. What they miss it by has the variance (2V)², with V the variance of the
-//! image's pixel, and E((a − b)/2)⁴ = 3V² tells it: exactly where errors are normal, too large
-//! where their tails are heavier. But a single difference tells it badly, and nothing where both
-//! replicates are wrong alike; so the scatter of the pixel's samples counts half at the least.
+//! image without bias. Of samples that are drawn each by itself each is a replicate, and their
+//! scatter does the same with less noise. How far chance takes the one from the other is told by
+//! [`chance`].
 
-use super::film::{Film, Pixel};
-use super::neighbourhood::{box_mean, mean_of_others};
-use crate::scene::FilmSize;
-use crate::stats::interval::{Interval, student};
+mod chance;
+mod denominators;
+mod doubt;
+mod evidence;
+mod standard_error;
+
+use super::film::Film;
+use crate::scene::ErrorMetric;
+use crate::stats::interval::Interval;
+use crate::stats::sums::sum;
+use chance::SquaredError;
+use denominators::squared_truth;
+pub use doubt::Doubt;
+use evidence::Evidence;
 use rayon::prelude::*;
+use serde::ser::{Serialize, SerializeMap, Serializer};
+pub use standard_error::tile_sums;
 
-/// Pixels on each side of one whose replicates tell its variance.
-const VARIANCE_RADIUS: usize = 3;
-/// Pixels on each side of one that tell what it is without its noise.
-const MEAN_RADIUS: usize = 2;
-/// Pixels that they are.
-const LOCAL_PIXELS: f64 = ((2 * MEAN_RADIUS + 1) * (2 * MEAN_RADIUS + 1)) as f64;
 /// Confidence of the interval that is reported unless another is asked for.
 pub const CONFIDENCE: f64 = 0.95;
+/// What the upper end of an interval of 95 % confidence is at most, in multiples of the error, where
+/// the error counts as told.
+const TOLD: f64 = 2.5;
 
-/// The relative mean squared error of an image against the truth, as the image itself tells it:
-///
-/// relMSE = mean over pixels and channels of (x − r)² / (r² + 0.01·mean(r)²), with x the image and
-/// r the truth.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct RelMse {
+/// An error that an image states, in one metric.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StatedError {
     /// The estimate.
-    pub rel_mse: f64,
-    /// Lower end of the interval in which the image's relMSE lies.
-    pub rel_mse_low: f64,
+    pub value: f64,
+    /// Lower end of the interval in which the actual error lies.
+    pub low: f64,
     /// Upper end.
-    pub rel_mse_high: f64,
-    /// Probability with which it lies there.
+    pub high: f64,
+    /// Why the image cannot tell it: its estimate may be off by a factor, and the interval is no
+    /// more than a hint. None where it can.
+    pub doubt: Option<Doubt>,
+}
+
+impl StatedError {
+    /// The square root, in percent, with the ends of its interval.
+    pub fn percent(&self) -> [f64; 3] {
+        [self.value, self.low, self.high].map(|e| 100.0 * e.sqrt())
+    }
+}
+
+/// The error of an image against the truth, as the image itself states it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ImageError {
+    /// Mean squared error over the squared mean.
+    pub nmse: StatedError,
+    /// Relative mean squared error.
+    pub rel_mse: StatedError,
+    /// Probability with which each lies in its interval.
     pub confidence: f64,
 }
 
-/// What an image suggests for the square of the truth in one channel of a pixel.
-#[derive(Clone, Copy)]
-struct SquaredTruth {
-    square: f64,
-    /// What it may be at the least.
-    least: f64,
-    /// The variance of its root over that of the pixel: k² + (1 − k²)/n of k times the pixel and 1
-    /// − k times the mean of n.
-    noise: f64,
+impl ImageError {
+    /// The error in `metric`.
+    pub fn in_metric(&self, metric: ErrorMetric) -> &StatedError {
+        match metric {
+            ErrorMetric::Nmse => &self.nmse,
+            ErrorMetric::RelMse => &self.rel_mse,
+        }
+    }
+}
+
+impl Serialize for ImageError {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for (name, error) in [("nmse", self.nmse), ("rel_mse", self.rel_mse)] {
+            map.serialize_entry(name, &error.value)?;
+            map.serialize_entry(&format!("{name}_low"), &error.low)?;
+            map.serialize_entry(&format!("{name}_high"), &error.high)?;
+            let doubt = error.doubt.map(|doubt| doubt.to_string());
+            map.serialize_entry(&format!("{name}_doubt"), &doubt)?;
+        }
+        map.serialize_entry("confidence", &self.confidence)?;
+        map.end()
+    }
 }
 
 impl Film {
-    /// The image's error with an interval of 95 % confidence; see [`error_at`](Self::error_at).
-    pub fn error(&self) -> Option<RelMse> {
+    /// The image's error with intervals of 95 % confidence; see [`error_at`](Self::error_at).
+    pub fn error(&self) -> Option<ImageError> {
         self.error_at(CONFIDENCE)
     }
 
     /// The same, unless `stop`, which is asked now and then, says that nobody waits for it any
     /// more: then `None`, soon.
-    pub fn error_unless(&self, stop: impl Fn() -> bool) -> Option<RelMse> {
+    pub fn error_unless(&self, stop: impl Fn() -> bool) -> Option<ImageError> {
         self.look(CONFIDENCE, stop)
     }
 
-    /// The image's error, its interval holding with the probability `confidence`; `None` while a
+    /// The image's error, each interval holding with the probability `confidence`; `None` while a
     /// pixel has not two samples, one of each replicate, or when the image is black.
-    ///
-    /// In the denominators D stands what the image suggests for the truth r. Its noise, of variance
-    /// ρV, is of two consequences. By chance D = r² is off by 2r√(ρV), pixel by pixel, which adds
-    /// 4ρ(V/D)³ to the variance of the pixel's term. On the whole it makes the estimate too small
-    /// or too large, as errors are skewed or not; how much it may be is told by denominators with
-    /// their noise added to them, and the interval is so much wider. Its upper end allows besides
-    /// for pixels that are bright by chance: their denominators may be those that the lesser
-    /// replicate and the pixels around suggest.
-    pub fn error_at(&self, confidence: f64) -> Option<RelMse> {
+    pub fn error_at(&self, confidence: f64) -> Option<ImageError> {
         self.look(confidence, || false)
     }
 
-    fn look(&self, confidence: f64, stop: impl Fn() -> bool) -> Option<RelMse> {
+    fn look(&self, confidence: f64, stop: impl Fn() -> bool) -> Option<ImageError> {
         let mean = self.mean();
         let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
-        let floor = 0.01 * overall * overall;
-        let noise = self.squared_half_differences()?;
-        if floor <= 0.0 || stop() {
+        let squared_mean = overall * overall;
+        let evidence = Evidence::of(self)?;
+        if squared_mean <= 0.0 || stop() {
             return None;
         }
-        let truth = self.squared_truth(&noise)?;
-        if stop() {
-            return None;
-        }
-        let variances = self.variances()?;
-        if stop() {
-            return None;
-        }
-        let pixels = noise.par_iter().zip(&truth).zip(&variances);
-        let terms = pixels.map(|((noise, truth), variances)| {
-            let (mut term, mut with_noise, mut at_most) = (0.0, 0.0, 0.0);
-            let (mut relative, mut of_denominator) = (0.0, 0.0);
-            for c in 0..3 {
-                let denominator = truth[c].square + floor;
-                let its_noise = truth[c].noise * noise[c];
-                term += noise[c] / denominator / 3.0;
-                with_noise += noise[c] / (denominator + its_noise) / 3.0;
-                at_most += noise[c] / (truth[c].least + floor) / 3.0;
-                let variance = variances[c] / denominator;
-                relative += variance / 3.0;
-                of_denominator += 4.0 * truth[c].noise * variance.powi(3) / 3.0;
-            }
-            let by_replicates = 4.0 / 3.0 * term.powi(2);
-            let by_scatter = 2.0 * relative.powi(2);
-            let variance = by_replicates.max(by_scatter) + of_denominator;
-            let of_denominators = [term - with_noise, at_most - term];
-            [
-                term,
-                of_denominators[0],
-                of_denominators[1],
-                variance,
-                variance.powi(2),
-            ]
-        });
-        let [sum, above, below, variance, squares] =
-            terms.reduce(|| [0.0; 5], |a, b| std::array::from_fn(|i| a[i] + b[i]));
-        // How many pixels share the variance: few products of errors are no normal variable.
-        let freedom = if squares > 0.0 {
-            variance * variance / squares
-        } else {
-            f64::INFINITY
-        };
-        let by_chance = student(freedom, confidence) * variance.sqrt();
         let pixels = self.pixels.len() as f64;
-        if !(sum.is_finite() && by_chance.is_finite()) {
+        let of_mean = [1.0 / (3.0 * pixels * squared_mean); 3];
+        let nmse = SquaredError::of(&evidence, |_| of_mean).stated(confidence);
+        if stop() {
             return None;
         }
-        let interval = |of_denominators: f64| {
-            Interval::positive(sum / pixels, by_chance.hypot(of_denominators) / pixels)
-        };
-        Some(RelMse {
-            rel_mse: sum / pixels,
-            rel_mse_low: interval(above).low,
-            rel_mse_high: interval(above.max(below)).high,
+        let rel_mse = relative(self, &evidence, 0.01 * squared_mean, confidence)?;
+        let finite = nmse.value.is_finite() && rel_mse.value.is_finite();
+        (finite && !stop()).then_some(ImageError {
+            nmse,
+            rel_mse,
             confidence,
         })
     }
+}
 
-    /// Per pixel and channel the variance of the mean; `None` while a pixel has not two samples,
-    /// one of each replicate.
-    ///
-    /// That of independent samples follows from their scatter. With samplers that stratify the mean
-    /// is better than the scatter says; by how much is told by the replicates of the 7 × 7 pixels
-    /// around.
-    pub fn variances(&self) -> Option<Vec<[f64; 3]>> {
-        let squares = self.squared_half_differences()?;
-        let scatter: Option<Vec<_>> = self
-            .pixels
-            .par_iter()
-            .map(|p| p.variance_of_mean())
-            .collect();
-        let scatter = scatter?;
-        if self.sampler.is_independent() {
-            return Some(scatter);
+impl SquaredError {
+    /// As an image states it.
+    fn stated(&self, confidence: f64) -> StatedError {
+        let Interval { value, low, high } = self.interval(confidence);
+        let usual = self.interval(CONFIDENCE);
+        StatedError {
+            value,
+            low,
+            high,
+            doubt: (usual.high > TOLD * value).then(|| self.doubt()),
         }
-        let by_replicates = box_mean(&squares, self.size, VARIANCE_RADIUS);
-        let by_scatter = box_mean(&scatter, self.size, VARIANCE_RADIUS);
-        let pixels = scatter.par_iter().zip(by_replicates).zip(by_scatter);
-        let scaled = pixels.map(|((scatter, replicates), around)| {
-            [0, 1, 2].map(|c| scatter[c] * replicates[c] / around[c].max(f64::MIN_POSITIVE))
-        });
-        Some(scaled.collect())
-    }
-
-    /// What the image suggests for the square of the truth, pixel by pixel; `noise` are squares of
-    /// each pixel's noise.
-    ///
-    /// A pixel's own square would not do: where it is too bright by chance, its error would be
-    /// divided by the too bright value, and where samples are skewed that is just where the error
-    /// is large. So it is first the local mean as far as the pixels around differ by no more than
-    /// their noise, whose mean over so few pixels is known to a factor of two (Lee 1980, "Digital
-    /// Image Enhancement and Noise Filtering by Use of Local Statistics"). With x the value found
-    /// so and h half the difference of what the replicates say, r² is taken as x² − h²·(1 − h²/x²):
-    /// without the noise h² in x², but x² itself where one replicate alone has met any light (h =
-    /// x), as nothing is known of such a pixel.
-    ///
-    /// A pixel brighter than those around is told from one with a rare bright sample by its
-    /// replicates: the lesser of them is what the pixel has at the least, and its square is what r²
-    /// is taken for where that is more and the replicates' noise is large beside it.
-    fn squared_truth(&self, noise: &[[f64; 3]]) -> Option<Vec<[SquaredTruth; 3]>> {
-        let replicates: Option<Vec<_>> = self.pixels.par_iter().map(Pixel::replicates).collect();
-        let replicates = replicates?;
-        let values: Vec<_> = self.pixels.par_iter().map(|p| p.mean).collect();
-        let squares: Vec<_> = values.par_iter().map(|v| v.map(|v| v * v)).collect();
-        let around = |values: &[[f64; 3]]| box_mean(values, self.size, MEAN_RADIUS);
-        let (local, squares, noise_around) = (around(&values), around(&squares), around(noise));
-        let others = mean_of_others(&local, &values, self.size, MEAN_RADIUS);
-        let truth = (0..values.len()).into_par_iter().map(|i| {
-            [0, 1, 2].map(|c| {
-                let mean = local[i][c];
-                let spread = squares[i][c] - mean * mean;
-                let signal = (spread - 2.0 * noise_around[i][c]).max(0.0);
-                let keep = if spread > 0.0 { signal / spread } else { 0.0 };
-                let [a, b] = replicates[i].map(|r| mean + keep * (r[c] - mean));
-                let (square, left) = ((0.5 * (a + b)).powi(2), (0.5 * (a - b)).powi(2));
-                let share = if square > left { left / square } else { 1.0 };
-                let square = square * (1.0 - share * (1.0 - share));
-                let lesser = replicates[i][0][c].min(replicates[i][1][c]);
-                let doubt = noise[i][c] / (noise[i][c] + square).max(f64::MIN_POSITIVE);
-                let square = square.max(doubt * lesser * lesser);
-                SquaredTruth {
-                    square,
-                    least: square.min(lesser.max(others[i][c]).powi(2)),
-                    noise: keep * keep + (1.0 - keep * keep) / LOCAL_PIXELS,
-                }
-            })
-        });
-        Some(truth.collect())
-    }
-
-    fn squared_half_differences(&self) -> Option<Vec<[f64; 3]>> {
-        let halves = self.half_differences()?;
-        Some(halves.into_par_iter().map(|h| h.map(|h| h * h)).collect())
-    }
-
-    fn half_differences(&self) -> Option<Vec<[f64; 3]>> {
-        self.pixels
-            .par_iter()
-            .map(|p| p.half_difference())
-            .collect()
-    }
-
-    /// Standard error of [`mean`](Self::mean); `None` while a pixel has not two samples, one of
-    /// each replicate.
-    pub fn standard_error_of_mean(&self) -> Option<[f64; 3]> {
-        if self.sampler.is_independent() {
-            return self.independent_standard_error_of_mean();
-        }
-        let sums = tile_sums(
-            self.half_differences()?,
-            self.size,
-            self.sampler.independent_side(),
-        );
-        let squares = sums.into_iter().map(|s| s.map(|s| s * s));
-        let sum = squares.fold([0.0; 3], add);
-        Some(sum.map(|s| s.sqrt() / self.pixels.len() as f64))
-    }
-
-    /// A standard error of [`mean`](Self::mean) to judge it by: where the replicates of too few
-    /// parts of the image would have to tell it, what the scatter of the samples says, which is
-    /// larger.
-    pub fn cautious_standard_error_of_mean(&self) -> Option<[f64; 3]> {
-        let parts = self.pixels.len() / self.sampler.independent_side().pow(2) as usize;
-        if parts < FEWEST_PARTS {
-            self.independent_standard_error_of_mean()
-        } else {
-            self.standard_error_of_mean()
-        }
-    }
-
-    /// Standard error of [`mean`](Self::mean) if each sample had been drawn by itself: too large
-    /// with samplers that stratify. `None` while a pixel has fewer than two samples.
-    pub fn independent_standard_error_of_mean(&self) -> Option<[f64; 3]> {
-        let variances: Option<Vec<_>> = self
-            .pixels
-            .par_iter()
-            .map(|p| p.variance_of_mean())
-            .collect();
-        let sum = variances?.into_iter().fold([0.0; 3], add);
-        Some(sum.map(|s| s.sqrt() / self.pixels.len() as f64))
     }
 }
 
-fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-
-/// Parts of an image, independent of each other, whose replicates tell its mean's error well enough
-/// to judge the mean by.
-const FEWEST_PARTS: usize = 32;
-
-/// Sums over tiles of `side` × `side` pixels, row by row.
-pub fn tile_sums<const N: usize>(
-    values: Vec<[f64; N]>,
-    size: FilmSize,
-    side: u32,
-) -> Vec<[f64; N]> {
-    if side == 1 {
-        return values;
-    }
-    let (width, side) = (size.width as usize, side as usize);
-    let per_row = width.div_ceil(side);
-    let mut sums = vec![[0.0; N]; per_row * (size.height as usize).div_ceil(side)];
-    for (i, value) in values.into_iter().enumerate() {
-        let sum = &mut sums[i / width / side * per_row + i % width / side];
-        for (sum, value) in sum.iter_mut().zip(value) {
-            *sum += value;
+/// relMSE with the interval for `confidence`; 1 % of the squared mean is the `floor` of what it
+/// divides by.
+///
+/// In the denominators D stands what the image suggests for the truth r. Its noise, of variance ρV,
+/// is of two consequences. By chance D = r² is off by 2r√(ρV), pixel by pixel, which adds 4ρ(V/D)³
+/// to the variance of the pixel's term. On the whole it makes the estimate too small or too large,
+/// as errors are skewed or not; how much it may be is told by denominators with their noise added
+/// to them, and the interval is so much wider. Its upper end allows besides for pixels that are
+/// bright by chance: their denominators may be those that the lesser replicate and the pixels around
+/// suggest.
+fn relative(film: &Film, evidence: &Evidence, floor: f64, confidence: f64) -> Option<StatedError> {
+    let truth = squared_truth(film, evidence)?;
+    let part = 1.0 / (3.0 * film.pixels.len() as f64);
+    let denominator = |i: usize, c: usize| truth[i][c].square + floor;
+    let mut error = SquaredError::of(evidence, |i| [0, 1, 2].map(|c| part / denominator(i, c)));
+    let variances = evidence.variances();
+    let pixels = evidence.pixels.par_iter().zip(&truth).zip(&variances);
+    let terms = pixels.enumerate().map(|(i, ((pixel, truth), variances))| {
+        let estimates = evidence.estimate(pixel);
+        let (mut with_noise, mut at_most, mut by_chance) = (0.0, 0.0, 0.0);
+        for c in 0..3 {
+            let (estimate, d) = (part * estimates[c], denominator(i, c));
+            with_noise += estimate / (d + truth[c].noise * estimates[c]);
+            at_most += estimate / (truth[c].least + floor);
+            by_chance += 12.0 * part * part * truth[c].noise * (variances[c] / d).powi(3);
         }
-    }
-    sums
+        [with_noise, at_most, by_chance]
+    });
+    let [with_noise, at_most, by_chance] = sum(terms);
+    let (above, below) = (error.sum - with_noise, at_most - error.sum);
+    error.variance += by_chance;
+    let stated = |confidence: f64| {
+        let Interval { value, low, high } = error.interval(confidence);
+        if value <= 0.0 {
+            return Interval { value, low, high };
+        }
+        // What denominators may do is no chance that would average out: it comes on top.
+        Interval {
+            value,
+            low: (value - above).max(0.0) * (low / value),
+            high: (value + above.max(below)) * (high / value),
+        }
+    };
+    let Interval { value, low, high } = stated(confidence);
+    let doubt = match stated(CONFIDENCE).high > TOLD * value {
+        false => None,
+        true if error.interval(CONFIDENCE).high > TOLD * value => Some(error.doubt()),
+        true => Some(Doubt::Denominators),
+    };
+    Some(StatedError {
+        value,
+        low,
+        high,
+        doubt,
+    })
 }
 
 #[cfg(test)]

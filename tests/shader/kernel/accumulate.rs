@@ -22,9 +22,10 @@ fn accumulated(blocks: &[Vec<[f32; 3]>]) -> Answers {
                out_u32(6u, state.samples); out_u32(7u, state.dropped);
                out_u32(8u, state.first_nan); out_u32(9u, state.first_infinite);
                out_u32(10u, state.shadow_rays + state.bsdf_rays);
-               out_vec3f(11u, state.second_mean); out_u32(14u, state.second_samples);",
+               out_vec3f(11u, state.second_mean); out_u32(14u, state.second_samples);
+               out_vec3f(15u, state.second_m2);",
         inputs: 3 * LENGTH,
-        outputs: 15,
+        outputs: 18,
         features: &[],
     };
     let words: Vec<u32> = blocks
@@ -51,34 +52,36 @@ fn block(value: impl Fn(u32) -> f32) -> Vec<[f32; 3]> {
 /// Each step rounds the difference, its part and the new mean: n steps, 2 roundings of the largest
 /// sample each, as the worst case. The squares inherit the mean's error times twice the deviations,
 /// and 8 roundings of their own.
+fn assert_near(found: [f64; 2], expected: &Moments, largest: f64, what: &str) {
+    let [mean, m2] = found;
+    let of_mean = 2.0 * expected.count as f64 * U * largest;
+    assert!(
+        (mean - expected.mean).abs() <= of_mean,
+        "{what}: {mean}, not {expected:?}"
+    );
+    // Σ|x − mean| ≤ √(n m2).
+    let deviations = (expected.count as f64 * expected.m2).sqrt();
+    let of_m2 =
+        2.0 * of_mean * (deviations + expected.count as f64 * of_mean) + 8.0 * U * expected.m2;
+    assert!(
+        (m2 - expected.m2).abs() <= of_m2,
+        "{what}: m2 {m2}, not {expected:?}"
+    );
+    assert!(m2 >= 0.0, "{what}");
+}
+
+/// All samples and the second replicate.
 fn assert_moments(answers: &Answers, item: usize, block: &[[f32; 3]], what: &str) {
+    let odd: Vec<_> = block.iter().skip(1).step_by(2).copied().collect();
     for channel in 0..3 {
-        let expected = moments(block, channel);
         let values = block.iter().map(|rgb| f64::from(rgb[channel].abs()));
         let largest = values.filter(|x| x.is_finite()).fold(0.0, f64::max);
-        let mean = answers.f64(channel).nth(item).unwrap();
-        let m2 = answers.f64(3 + channel).nth(item).unwrap();
-        let of_mean = 2.0 * expected.count as f64 * U * largest;
-        assert!(
-            (mean - expected.mean).abs() <= of_mean,
-            "{what}: {mean}, not {expected:?}"
-        );
-        // Σ|x − mean| ≤ √(n m2).
-        let deviations = (expected.count as f64 * expected.m2).sqrt();
-        let of_m2 =
-            2.0 * of_mean * (deviations + expected.count as f64 * of_mean) + 8.0 * U * expected.m2;
-        assert!(
-            (m2 - expected.m2).abs() <= of_m2,
-            "{what}: m2 {m2}, not {expected:?}"
-        );
-        assert!(m2 >= 0.0, "{what}");
-        let odd: Vec<_> = block.iter().skip(1).step_by(2).copied().collect();
+        let found = |word: usize| answers.f64(word + channel).nth(item).unwrap();
+        let all = moments(block, channel);
+        assert_near([found(0), found(3)], &all, largest, what);
         let second = moments(&odd, channel);
-        let mean = answers.f64(11 + channel).nth(item).unwrap();
-        assert!(
-            (mean - second.mean).abs() <= 2.0 * second.count as f64 * U * largest,
-            "{what}: {mean}, not {second:?}"
-        );
+        let of_second = format!("{what}, second replicate");
+        assert_near([found(11), found(15)], &second, largest, &of_second);
         let count = answers.u32(14).nth(item).unwrap();
         assert_eq!(u64::from(count), second.count, "{what}");
     }

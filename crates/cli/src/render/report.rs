@@ -3,8 +3,9 @@
 use super::Rendered;
 use direkt::low_level::gpu::AdapterFacts;
 use direkt::low_level::prepare::Prepared;
-use direkt::low_level::render::{Check, Ledger, RayCounts, RelMse, StoppedBy};
-use direkt::scene::{Aovs, EstimatorSettings};
+use direkt::low_level::render::{Check, ImageError, Ledger, RayCounts, StoppedBy};
+use direkt::scene::{Aovs, ErrorMetric, EstimatorSettings};
+use direkt_instruments::report::format::number;
 use serde::Serialize;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -27,7 +28,7 @@ pub(super) struct Report {
     rays: RayCounts,
     samples_per_second: f64,
     rays_per_second: f64,
-    error: Option<RelMse>,
+    error: Option<ImageError>,
     pub(super) non_finite: Ledger,
     effects: Vec<EffectReport>,
     #[serde(flatten)]
@@ -124,18 +125,8 @@ pub(super) fn summary(files: &[&Path], report: &Report) -> String {
         [] => vec![report.scene.clone()],
         files => files.iter().map(|p| p.display().to_string()).collect(),
     };
-    let error = report.error.map_or_else(
-        || "error unknown".to_owned(),
-        |e| {
-            format!(
-                "relMSE {:.3e} [{:.3e}, {:.3e}], √relMSE {:.2} %",
-                e.rel_mse,
-                e.rel_mse_low,
-                e.rel_mse_high,
-                100.0 * e.rel_mse.sqrt()
-            )
-        },
-    );
+    let unknown = "error unknown, no light was found".to_owned();
+    let error = report.error.as_ref().map_or(unknown, error_sentence);
     format!(
         "{}: {} × {}, {} spp in {:.2} s ({:.1} M samples/s, {:.1} M rays/s), {error}",
         files.join(", "),
@@ -146,6 +137,23 @@ pub(super) fn summary(files: &[&Path], report: &Report) -> String {
         report.samples_per_second / 1e6,
         report.rays_per_second / 1e6,
     )
+}
+
+/// The error in both metrics; what cannot be told has its reason.
+fn error_sentence(error: &ImageError) -> String {
+    let in_metric = |metric: ErrorMetric| {
+        let (symbol, stated) = (metric.symbol(), error.in_metric(metric));
+        let [percent, low, high] = stated.percent().map(number);
+        match stated.doubt {
+            None => format!("√{symbol} {percent} % [{low}, {high}]"),
+            Some(doubt) => {
+                format!("√{symbol} cannot be told (perhaps {percent} % [{low}, {high}]: {doubt})")
+            }
+        }
+    };
+    [ErrorMetric::Nmse, ErrorMetric::RelMse]
+        .map(in_metric)
+        .join(", ")
 }
 
 /// What was dropped.

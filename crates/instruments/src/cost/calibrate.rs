@@ -1,26 +1,32 @@
 //! Do images know their own error? Many seeds, each image's reported error beside its actual one.
 //!
-//! The truth is the mean of all the images of one estimator: with x_k one of K images and x̄ their
-//! mean, (x_k − x̄)²·K/(K − 1) has the expectation of x_k's squared error. relMSE's denominators
-//! come from x̄.
+//! The truth is the mean x̄ of the K images with the most samples of one estimator. With x_k one of
+//! them, |x_k − x̄|²·K/(K − 1) has the expectation of x_k's squared error; with x another image, |x −
+//! x̄|² less the mean's own squared error does. relMSE's denominators come from x̄.
 //!
 //! Stopping at a target error stops rather where the error happens to be told too small. What this
 //! does to the reported error and to the image itself is measured by as many renders that stop by
 //! themselves, with other seeds.
 
+mod truth;
+
 use super::Progress;
 use super::estimator::{self, Estimator};
 use super::interrupted::Interrupted;
-use super::reference::Reference;
 use super::runner::{Runner, Seeds, prepare};
 use direkt::error::Error;
 use direkt::low_level::gpu::Context;
 use direkt::low_level::prepare::SceneData;
-use direkt::low_level::render::{ErrorGoal, Film, RelMse};
+use direkt::low_level::render::{ErrorGoal, Film, ImageError, StatedError};
 use direkt::low_level::stats::moments::Moments;
-use direkt::scene::Scene;
+use direkt::scene::{ErrorMetric, Scene};
 use serde::Serialize;
 use std::sync::Arc;
+use truth::Truth;
+
+/// Samples of an image that stops by itself at the most, in multiples of those that its target was
+/// made for.
+const LONGEST: u64 = 64;
 
 /// What to calibrate.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,8 +35,8 @@ pub struct Settings {
     pub estimators: Vec<Estimator>,
     /// Images of each.
     pub images: u32,
-    /// Samples per pixel of each image.
-    pub samples: u64,
+    /// Samples per pixel of the images, of each number as many images.
+    pub samples: Vec<u64>,
     /// All seeds are derived from it.
     pub seed: u32,
 }
@@ -60,27 +66,47 @@ pub struct Calibration {
     pub samples: u64,
     /// Images.
     pub images: u32,
-    /// Mean of the actual relMSE.
-    pub actual: f64,
-    /// Mean of the reported over mean of the actual relMSE.
-    pub ratio: Estimate,
-    /// Fraction of the images whose actual relMSE lies in the reported interval of 95 % confidence.
-    pub coverage: Estimate,
-    /// Renders that stopped by themselves.
+    /// In terms of NMSE.
+    pub nmse: Reported,
+    /// In terms of relMSE.
+    pub rel_mse: Reported,
+    /// Renders that stopped by themselves at an NMSE.
     pub stopped: Stopped,
+}
+
+/// How reported errors compare with actual ones in one metric.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Reported {
+    /// Mean of the actual error.
+    pub actual: f64,
+    /// Mean of the reported over mean of the actual error.
+    pub ratio: Estimate,
+    /// Fraction of the images that say that they can tell their error.
+    pub told: Estimate,
+    /// Of those the fraction whose actual error lies in the reported interval of 95 % confidence.
+    pub coverage: Estimate,
+    /// Images that report less than half their actual error.
+    pub too_small: u32,
+    /// Those of them that say that they can tell it.
+    pub too_small_and_told: u32,
 }
 
 /// What stopping at a target does.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stopped {
-    /// The target: a relative error, √relMSE.
+    /// The target: √NMSE.
     pub target: f64,
-    /// Mean number of samples per pixel at which images stopped.
+    /// Fraction of the images that reached it, with 64 times the samples at the most; all else is
+    /// about these.
+    pub reached: Estimate,
+    /// Mean number of samples per pixel at which they stopped.
     pub samples: f64,
-    /// Mean of the reported over mean of the actual relMSE when they stopped.
+    /// Mean of the reported over mean of the actual error when they stopped.
     pub ratio: Estimate,
     /// Fraction of the images whose actual error was below the target.
     pub below_target: Estimate,
+    /// Images whose actual error was above twice the target.
+    pub above_twice: u32,
     /// Per channel (mean of the image − its mean without stopping) / its mean without stopping.
     pub bias_of_mean: [Estimate; 3],
 }
@@ -107,7 +133,7 @@ pub fn calibrate(
         progress(&format!("compiling {estimator}"), 0.0);
         let mut runner = Runner::new(context, prepared, scene.film, estimator, None)?;
         match one(scene, &mut runner, settings, progress, stop) {
-            Ok(calibration) => calibrations.push(calibration),
+            Ok(found) => calibrations.extend(found),
             Err(Interrupted::Stopped) => break,
             Err(Interrupted::Failed(error)) => return Err(error),
         }
@@ -118,153 +144,162 @@ pub fn calibrate(
 /// An image with what it reports.
 struct Image {
     mean: Vec<[f32; 3]>,
-    reported: RelMse,
+    reported: ImageError,
 }
 
+impl Image {
+    fn of(film: &Film) -> Option<Self> {
+        let pixels = film.pixels.iter();
+        Some(Self {
+            mean: pixels.map(|p| p.mean.map(|m| m as f32)).collect(),
+            reported: film.error()?,
+        })
+    }
+}
+
+/// All numbers of samples of one estimator.
 fn one(
     scene: &Scene,
     runner: &mut Runner<'_>,
     settings: &Settings,
     progress: Progress<'_>,
     stop: &dyn Fn() -> bool,
-) -> Result<Calibration, Interrupted> {
+) -> Result<Vec<Calibration>, Interrupted> {
     let estimator = runner.estimator;
     let mut seeds = Seeds::new(settings.seed);
-    let images = f64::from(settings.images);
-    let mut tell = |what: &str, done: usize, half: f64| {
-        let part = 0.5 * (half + done as f64 / images);
-        progress(&format!("{estimator}: {what}"), part);
+    let parts = f64::from(2 * settings.images) * settings.samples.len() as f64;
+    let mut done = 0.0;
+    let mut tell = |what: &str| {
+        progress(&format!("{estimator}: {what}"), done / parts);
+        done += 1.0;
     };
-    let unknown = || {
-        let source = scene.source.display();
-        Error::Usage(format!(
-            "{source}: {estimator}: the image is black and has no relative error"
-        ))
+    let mut samples = settings.samples.clone();
+    samples.sort_unstable();
+    let mut fixed: Vec<Vec<Image>> = Vec::new();
+    for &samples in &samples {
+        let mut images = Vec::new();
+        for _ in 0..settings.images {
+            tell("images");
+            let film = runner.run(seeds.draw(), samples, stop)?.film;
+            images.push(Image::of(&film).ok_or_else(|| black(scene, estimator))?);
+        }
+        fixed.push(images);
+    }
+    let Some(truth) = fixed.last().map(|images| Truth::new(images)) else {
+        return Ok(Vec::new());
     };
-    let mut fixed = Vec::new();
-    for done in 0..settings.images as usize {
-        tell("images", done, 0.0);
-        let film = runner.run(seeds.draw(), settings.samples, stop)?.film;
-        fixed.push(image(&film).ok_or_else(unknown)?);
+    let mut calibrations = Vec::new();
+    for (i, (&samples, images)) in samples.iter().zip(&fixed).enumerate() {
+        let is_truth = i + 1 == fixed.len();
+        let actual = |metric| -> Vec<f64> {
+            let errors = images.iter().map(|image| {
+                if is_truth {
+                    truth.of_member(&image.mean, metric)
+                } else {
+                    truth.of_other(&image.mean, metric)
+                }
+            });
+            errors.collect()
+        };
+        let reported = |metric| reported(images, metric, &actual(metric));
+        let nmse = reported(ErrorMetric::Nmse);
+        let goal = ErrorGoal::new(ErrorMetric::Nmse, nmse.actual.sqrt());
+        let mut stopped = StoppedImages::default();
+        for _ in 0..settings.images {
+            tell("images that stop by themselves");
+            let run = runner.run_to(seeds.draw(), goal, LONGEST * samples, stop)?;
+            if let Some(run) = run {
+                stopped.samples.push(run.samples as f64);
+                let image = Image::of(&run.film).ok_or_else(|| black(scene, estimator))?;
+                stopped.images.push(image);
+            }
+        }
+        calibrations.push(Calibration {
+            scene: scene.source.display().to_string(),
+            estimator,
+            width: scene.film.width,
+            height: scene.film.height,
+            samples,
+            images: settings.images,
+            rel_mse: reported(ErrorMetric::RelMse),
+            nmse,
+            stopped: stopped.judge(images, &truth, goal),
+        });
     }
-    let truth = Truth::new(&fixed);
-    let actual: Vec<f64> = fixed.iter().map(|i| truth.of_member(&i.mean)).collect();
-    let reported: Vec<f64> = fixed.iter().map(|i| i.reported.rel_mse).collect();
-    let inside = fixed.iter().zip(&actual);
-    let inside = inside
-        .map(|(i, actual)| i.reported.rel_mse_low <= *actual && *actual <= i.reported.rel_mse_high);
-    let coverage = fraction(inside);
-
-    let goal = ErrorGoal::new(actual.iter().sum::<f64>().sqrt() / images.sqrt());
-    let (mut stopped, mut samples) = (Vec::new(), Moments::default());
-    for done in 0..settings.images as usize {
-        tell("images that stop by themselves", done, 1.0);
-        let run = runner.run_to(seeds.draw(), goal, stop)?;
-        samples.push(run.samples as f64);
-        stopped.push(image(&run.film).ok_or_else(unknown)?);
-    }
-    Ok(Calibration {
-        scene: scene.source.display().to_string(),
-        estimator,
-        width: scene.film.width,
-        height: scene.film.height,
-        samples: settings.samples,
-        images: settings.images,
-        actual: actual.iter().sum::<f64>() / images,
-        ratio: ratio(&reported, &actual),
-        coverage,
-        stopped: of_stopped(&stopped, &fixed, &truth, goal, samples.mean),
-    })
+    Ok(calibrations)
 }
 
-fn image(film: &Film) -> Option<Image> {
-    Some(Image {
-        mean: film
-            .pixels
-            .iter()
-            .map(|p| p.mean.map(|m| m as f32))
-            .collect(),
-        reported: film.error()?,
-    })
+fn black(scene: &Scene, estimator: Estimator) -> Error {
+    let source = scene.source.display();
+    Error::Usage(format!(
+        "{source}: {estimator}: the image is black and has no relative error"
+    ))
 }
 
-fn of_stopped(
-    stopped: &[Image],
-    fixed: &[Image],
-    truth: &Truth,
-    goal: ErrorGoal,
-    samples: f64,
-) -> Stopped {
-    let actual: Vec<f64> = stopped.iter().map(|i| truth.of_other(&i.mean)).collect();
-    let reported: Vec<f64> = stopped.iter().map(|i| i.reported.rel_mse).collect();
-    let target = goal.relative * goal.relative;
-    let means = |images: &[Image], c: usize| -> Moments {
+/// What `images` report in `metric` beside their `actual` errors.
+fn reported(images: &[Image], metric: ErrorMetric, actual: &[f64]) -> Reported {
+    let stated: Vec<&StatedError> = images
+        .iter()
+        .map(|image| image.reported.in_metric(metric))
+        .collect();
+    let values: Vec<f64> = stated.iter().map(|e| e.value).collect();
+    let told = |e: &StatedError| e.doubt.is_none();
+    let pairs = || stated.iter().zip(actual);
+    let inside = pairs().filter(|(e, _)| told(e));
+    let inside = inside.map(|(e, actual)| e.low <= *actual && *actual <= e.high);
+    let too_small = || pairs().filter(|(e, actual)| e.value < 0.5 * **actual);
+    Reported {
+        actual: actual.iter().sum::<f64>() / actual.len() as f64,
+        ratio: ratio(&values, actual),
+        told: fraction(stated.iter().map(|e| told(e))),
+        coverage: fraction(inside),
+        too_small: too_small().count() as u32,
+        too_small_and_told: too_small().filter(|(e, _)| told(e)).count() as u32,
+    }
+}
+
+/// Images that stopped by themselves.
+#[derive(Default)]
+struct StoppedImages {
+    images: Vec<Image>,
+    samples: Moments,
+}
+
+impl StoppedImages {
+    /// What they are beside the images of a `fixed` number of samples, of which there are as many
+    /// as should have stopped.
+    fn judge(&self, fixed: &[Image], truth: &Truth, goal: ErrorGoal) -> Stopped {
+        let images = &self.images;
+        let errors = |metric| images.iter().map(move |i| truth.of_other(&i.mean, metric));
+        let actual: Vec<f64> = errors(goal.metric).collect();
+        let reported = images.iter().map(|i| i.reported.in_metric(goal.metric));
+        let reported: Vec<f64> = reported.map(|e| e.value).collect();
+        let target = goal.relative * goal.relative;
+        let reached = (0..fixed.len()).map(|i| i < images.len());
+        Stopped {
+            target: goal.relative,
+            reached: fraction(reached),
+            samples: self.samples.mean,
+            ratio: ratio(&reported, &actual),
+            below_target: fraction(actual.iter().map(|a| *a <= target)),
+            above_twice: actual.iter().filter(|a| **a > 4.0 * target).count() as u32,
+            bias_of_mean: [0, 1, 2].map(|c| bias(images, fixed, c)),
+        }
+    }
+}
+
+/// How far the mean of channel `c` of `stopped` images is from that of `fixed` ones.
+fn bias(stopped: &[Image], fixed: &[Image], c: usize) -> Estimate {
+    let means = |images: &[Image]| -> Moments {
         let mean =
             |i: &Image| i.mean.iter().map(|m| f64::from(m[c])).sum::<f64>() / i.mean.len() as f64;
         images.iter().map(mean).collect()
     };
-    let bias = |c: usize| {
-        let (stopped, fixed) = (means(stopped, c), means(fixed, c));
-        let variance = |m: &Moments| m.variance_of_mean().unwrap_or(0.0);
-        Estimate {
-            value: stopped.mean / fixed.mean - 1.0,
-            standard_error: (variance(&stopped) + variance(&fixed)).sqrt() / fixed.mean,
-        }
-    };
-    Stopped {
-        target: goal.relative,
-        samples,
-        ratio: ratio(&reported, &actual),
-        below_target: fraction(actual.iter().map(|a| *a <= target)),
-        bias_of_mean: [bias(0), bias(1), bias(2)],
-    }
-}
-
-/// The mean of all images.
-struct Truth {
-    reference: Reference,
-    images: f64,
-}
-
-impl Truth {
-    fn new(images: &[Image]) -> Self {
-        let mut mean = vec![[0.0; 3]; images[0].mean.len()];
-        let part = 1.0 / images.len() as f64;
-        for image in images {
-            for (mean, value) in mean.iter_mut().zip(&image.mean) {
-                for c in 0..3 {
-                    mean[c] += f64::from(value[c]) * part;
-                }
-            }
-        }
-        Self {
-            reference: Reference::exact(mean),
-            images: images.len() as f64,
-        }
-    }
-
-    /// relMSE against the mean.
-    fn against(&self, image: &[[f32; 3]]) -> f64 {
-        let pixels = self.reference.mean.iter().zip(image);
-        let terms = pixels.flat_map(|(truth, x)| {
-            let term = |c: usize| {
-                let off = f64::from(x[c]) - truth[c];
-                off * off * self.reference.weight(truth[c])
-            };
-            [0, 1, 2].map(term)
-        });
-        terms.sum::<f64>() / (3 * image.len()) as f64
-    }
-
-    /// relMSE of one of the images that the mean is made of.
-    fn of_member(&self, image: &[[f32; 3]]) -> f64 {
-        self.against(image) * self.images / (self.images - 1.0)
-    }
-
-    /// relMSE of another image, with as many samples: the mean's own error, one K-th of it, is
-    /// taken off.
-    fn of_other(&self, image: &[[f32; 3]]) -> f64 {
-        self.against(image) * self.images / (self.images + 1.0)
+    let (stopped, fixed) = (means(stopped), means(fixed));
+    let variance = |m: &Moments| m.variance_of_mean().unwrap_or(0.0);
+    Estimate {
+        value: stopped.mean / fixed.mean - 1.0,
+        standard_error: (variance(&stopped) + variance(&fixed)).sqrt() / fixed.mean,
     }
 }
 
@@ -296,53 +331,6 @@ fn fraction(hits: impl Iterator<Item = bool>) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use direkt::low_level::stats::testing::Stream;
-
-    /// Images of a ramp with normal errors of 10 %.
-    fn images(count: usize) -> Vec<Image> {
-        let mut stream = Stream::new(9);
-        let reported = RelMse {
-            rel_mse: 0.01,
-            rel_mse_low: 0.0,
-            rel_mse_high: 1.0,
-            confidence: 0.95,
-        };
-        let mut pixel = |i: usize| [0; 3].map(|_| (ramp(i) * (1.0 + 0.1 * stream.normal())) as f32);
-        (0..count)
-            .map(|_| Image {
-                mean: (0..1000).map(&mut pixel).collect(),
-                reported,
-            })
-            .collect()
-    }
-
-    fn ramp(i: usize) -> f64 {
-        0.5 + i as f64 / 1000.0
-    }
-
-    #[test]
-    fn the_mean_of_all_images_stands_for_the_truth() {
-        let all = images(12);
-        let (of_truth, other) = all.split_at(8);
-        let truth = Truth::new(of_truth);
-        // relMSE = 0.01 · mean of r²/(r² + 0.01·mean(r)²); 3000 squares of normal numbers, eight
-        // images: 1 % is two sigma.
-        let due = (0..1000).map(|i| ramp(i).powi(2) / (ramp(i).powi(2) + 0.01));
-        let due = 0.01 * due.sum::<f64>() / 1000.0;
-        let of = |error: &dyn Fn(&[[f32; 3]]) -> f64, images: &[Image]| {
-            let sum: f64 = images.iter().map(|i| error(&i.mean)).sum();
-            sum / images.len() as f64 / due
-        };
-        let members = of(&|i| truth.of_member(i), of_truth);
-        assert!((members - 1.0).abs() < 0.05, "{members}");
-        let others = of(&|i| truth.of_other(i), other);
-        assert!((others - 1.0).abs() < 0.05, "{others}");
-        let unscaled = of(&|i| truth.against(i), of_truth);
-        assert!(
-            unscaled < 0.92,
-            "an eighth of its own error is in the mean: {unscaled}"
-        );
-    }
 
     #[test]
     fn ratios_and_fractions_know_their_errors() {

@@ -132,15 +132,10 @@ impl Agreement {
     }
 }
 
-fn bits(pixel: &Pixel) -> [u64; 11] {
-    let [r, g, b] = pixel.mean.map(f64::to_bits);
-    let [m2_r, m2_g, m2_b] = pixel.m2.map(f64::to_bits);
-    let [second_r, second_g, second_b] = pixel.second_mean.map(f64::to_bits);
+fn bits(pixel: &Pixel) -> ([u64; 2], [[u64; 3]; 4]) {
+    let values = [pixel.mean, pixel.m2, pixel.second_mean, pixel.second_m2];
     let counts = [pixel.samples, pixel.second_samples];
-    let [samples, second] = counts;
-    [
-        samples, r, g, b, m2_r, m2_g, m2_b, second, second_r, second_g, second_b,
-    ]
+    (counts, values.map(|v| v.map(f64::to_bits)))
 }
 
 #[cfg(test)]

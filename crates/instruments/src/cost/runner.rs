@@ -113,8 +113,8 @@ impl<'a> Runner<'a> {
         })
     }
 
-    /// Renders until the image's error is below `goal`, or the image counts as black, unless `stop`
-    /// asks to end before.
+    /// Renders until the image's error is below `goal`, or the image counts as black; `None` where
+    /// that takes more than `most` samples per pixel.
     ///
     /// # Errors
     /// It was stopped, or the driver fails.
@@ -122,13 +122,16 @@ impl<'a> Runner<'a> {
         &mut self,
         seed: u32,
         goal: ErrorGoal,
+        most: u64,
         stop: &dyn Fn() -> bool,
-    ) -> Result<Run, Interrupted> {
-        let mut monitor = ErrorMonitor::new(goal);
-        self.run_while(seed, u64::MAX, stop, |session| {
-            let verdict = monitor.verdict(session)?;
-            Ok((verdict == Verdict::NotYet).then(|| monitor.next()))
-        })
+    ) -> Result<Option<Run>, Interrupted> {
+        let (mut monitor, mut reached) = (ErrorMonitor::new(goal), false);
+        let run = self.run_while(seed, u64::MAX, stop, |session| {
+            reached = monitor.verdict(session)? != Verdict::NotYet;
+            let goes_on = !reached && session.samples() < most;
+            Ok(goes_on.then(|| monitor.next().min(most)))
+        })?;
+        Ok(reached.then_some(run))
     }
 
     /// Renders `samples` samples of every pixel, unless `stop` asks to end before.

@@ -47,7 +47,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
     let at = Pos2::new(inner.right(), outer.bottom());
     painter.text(at, Align2::RIGHT_BOTTOM, "seconds", font.clone(), text);
     let at = Pos2::new(inner.left(), outer.bottom());
-    painter.text(at, Align2::LEFT_BOTTOM, "√relMSE", font, text);
+    painter.text(at, Align2::LEFT_BOTTOM, "√NMSE", font, text);
     let shown = shown_runs(app);
     for run in app.runs.iter() {
         let view = shown.iter().position(|number| run.is(*number));

@@ -59,9 +59,12 @@ fn facts(ui: &mut Ui, picture: &Picture, name: &str) {
     let error = picture.error.map_or_else(
         || "not known yet".to_owned(),
         |e| {
-            let [value, low, high] =
-                [e.rel_mse, e.rel_mse_low, e.rel_mse_high].map(|x| 100.0 * x.sqrt());
-            format!("{} % [{}, {}]", number(value), number(low), number(high))
+            let [value, low, high] = e.nmse.percent().map(number);
+            let doubt = e
+                .nmse
+                .doubt
+                .map(|doubt| format!(", cannot be told: {doubt}"));
+            format!("{value} % [{low}, {high}]{}", doubt.unwrap_or_default())
         },
     );
     row("error", error);

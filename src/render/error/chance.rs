@@ -1,0 +1,114 @@
+//! How far chance takes an image's squared error from what the image's replicates say.
+//!
+//! With V_i the variance of pixel i, errors that are nearly normal have the sum of squares E =
+//! Σ e_i², which is distributed as (ΣV/ν)·χ²_ν with ν = (ΣV)²/ΣV² (Satterthwaite 1946): ν is how
+//! many pixels share the error. What the replicates say is distributed alike and independent of it,
+//! and so the ratio of both has Fisher's F distribution, whatever V is.
+//!
+//! ΣV² is the sum of products of *independent* estimates of V, as the square of one estimate would
+//! be too large by the estimate's variance, which with heavy tails is most of it. Two products
+//! serve, and the larger sum of the two counts: the scatter of the first replicate's samples times
+//! that of the second's, which needs no neighbours but misses light that one of them has not met;
+//! and a pixel's squared half difference times that of the pixels around, which misses what single
+//! pixels have to themselves.
+
+use super::evidence::Evidence;
+use crate::render::neighbourhood::{box_mean, mean_of_others};
+use crate::scene::FilmSize;
+use crate::stats::interval::{Interval, fisher};
+use crate::stats::sums::sum;
+use rayon::prelude::*;
+
+/// Pixels on each side of one that tell what is common to their variances.
+pub(super) const RADIUS: usize = 3;
+
+/// The sum over an image's pixels of squared errors, and how many of them share it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SquaredError {
+    /// The sum as the image tells it.
+    pub sum: f64,
+    /// Σ(2V)², the variance of the difference between the sum and what replicates say.
+    pub variance: f64,
+    /// What the pixel with most of it adds.
+    pub largest: f64,
+    /// Replicates that a pixel's part is told by.
+    pub replicates: f64,
+}
+
+impl SquaredError {
+    /// That of `evidence`, whose channels count in each pixel with its `weights`.
+    pub(super) fn of(evidence: &Evidence, weights: impl Fn(usize) -> [f64; 3] + Sync) -> Self {
+        let pixels = evidence.pixels.par_iter().enumerate();
+        let weighted: Vec<[f64; 4]> = pixels
+            .map(|(i, pixel)| {
+                let weights = weights(i);
+                let total = |values: [f64; 3]| (0..3).map(|c| weights[c] * values[c]).sum::<f64>();
+                [
+                    total(pixel.squared),
+                    total(pixel.scatter),
+                    total(pixel.by_replicate[0]),
+                    total(pixel.by_replicate[1]),
+                ]
+            })
+            .collect();
+        let variance =
+            by_replicates(evidence, &weighted).max(by_neighbours(&weighted, evidence.size));
+        // Of samples that are drawn each by itself the scatter, else the squared half differences.
+        let told_by = usize::from(evidence.independent);
+        let parts = weighted.par_iter().map(|w| w[told_by]);
+        Self {
+            sum: sum(parts.clone().map(|part| [part]))[0],
+            largest: parts.reduce(|| 0.0, f64::max),
+            variance,
+            replicates: evidence.replicates,
+        }
+    }
+
+    /// Degrees of freedom: pixels that share the error.
+    pub(super) fn freedom(&self) -> f64 {
+        4.0 * self.sum * self.sum / self.variance.max(f64::MIN_POSITIVE)
+    }
+
+    /// Where the actual sum lies with the probability `confidence`.
+    pub(super) fn interval(&self, confidence: f64) -> Interval {
+        if self.sum <= 0.0 {
+            return Interval::exactly(self.sum);
+        }
+        let of_actual = self.freedom();
+        let of_told = of_actual * (self.replicates - 1.0);
+        let end = |below: f64| self.sum * fisher(of_actual, of_told, below);
+        Interval {
+            value: self.sum,
+            low: end(0.5 * (1.0 - confidence)),
+            high: end(0.5 * (1.0 + confidence)),
+        }
+    }
+}
+
+/// Σ4V² from the scatter of either replicate. Samplers that stratify have smaller errors than the
+/// scatter says; by how much is told by the squared half differences around.
+fn by_replicates(evidence: &Evidence, weighted: &[[f64; 4]]) -> f64 {
+    if evidence.independent {
+        return sum(weighted.par_iter().map(|w| [4.0 * w[2] * w[3]]))[0];
+    }
+    let around = box_mean(weighted, evidence.size, RADIUS);
+    let pixels = weighted.par_iter().zip(&around);
+    let products = pixels.map(|(pixel, around)| {
+        let gain = if around[1] > 0.0 {
+            around[0] / around[1]
+        } else {
+            0.0
+        };
+        [4.0 * gain * gain * pixel[2] * pixel[3]]
+    });
+    sum(products)[0]
+}
+
+/// Σ4V² from each pixel and those around.
+fn by_neighbours(weighted: &[[f64; 4]], size: FilmSize) -> f64 {
+    let squared: Vec<[f64; 1]> = weighted.par_iter().map(|w| [w[0]]).collect();
+    let means = box_mean(&squared, size, RADIUS);
+    let others = mean_of_others(&means, &squared, size, RADIUS);
+    let pixels = squared.par_iter().zip(&others);
+    sum(pixels.map(|([pixel], [others])| [4.0 * pixel * others.max(0.0)]))[0]
+}
