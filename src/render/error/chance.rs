@@ -45,14 +45,16 @@ impl SquaredError {
                 let total = |values: [f64; 3]| (0..3).map(|c| weights[c] * values[c]).sum::<f64>();
                 [
                     total(pixel.squared),
-                    total(pixel.scatter),
+                    total(pixel.variance),
                     total(pixel.by_replicate[0]),
                     total(pixel.by_replicate[1]),
                 ]
             })
             .collect();
-        let variance =
-            by_replicates(evidence, &weighted).max(by_neighbours(&weighted, evidence.size));
+        // Σ4V² by the two products.
+        let by_replicates = weighted.par_iter().map(|w| [4.0 * w[2] * w[3]]);
+        let [by_replicates] = sum(by_replicates);
+        let variance = by_replicates.max(by_neighbours(&weighted, evidence.size));
         // Of samples that are drawn each by itself the scatter, else the squared half differences.
         let told_by = usize::from(evidence.independent);
         let parts = weighted.par_iter().map(|w| w[told_by]);
@@ -83,25 +85,6 @@ impl SquaredError {
             high: end(0.5 * (1.0 + confidence)),
         }
     }
-}
-
-/// Σ4V² from the scatter of either replicate. Samplers that stratify have smaller errors than the
-/// scatter says; by how much is told by the squared half differences around.
-fn by_replicates(evidence: &Evidence, weighted: &[[f64; 4]]) -> f64 {
-    if evidence.independent {
-        return sum(weighted.par_iter().map(|w| [4.0 * w[2] * w[3]]))[0];
-    }
-    let around = box_mean(weighted, evidence.size, RADIUS);
-    let pixels = weighted.par_iter().zip(&around);
-    let products = pixels.map(|(pixel, around)| {
-        let gain = if around[1] > 0.0 {
-            around[0] / around[1]
-        } else {
-            0.0
-        };
-        [4.0 * gain * gain * pixel[2] * pixel[3]]
-    });
-    sum(products)[0]
 }
 
 /// Σ4V² from each pixel and those around.

@@ -68,3 +68,26 @@ pub(super) fn squared_truth(film: &Film, evidence: &Evidence) -> Option<Vec<[Squ
     });
     Some(truth.collect())
 }
+
+/// `values` with less of their noise: towards the local mean as far as the pixels around differ by
+/// no more than their `noise`, which is their variance (Lee 1980, "Digital Image Enhancement and
+/// Noise Filtering by Use of Local Statistics").
+pub(super) fn smoothed(
+    values: &[[f64; 3]],
+    noise: &[[f64; 3]],
+    evidence: &Evidence,
+) -> Vec<[f64; 3]> {
+    let around = |values: &[[f64; 3]]| box_mean(values, evidence.size, RADIUS);
+    let squares: Vec<_> = values.par_iter().map(|v| v.map(|v| v * v)).collect();
+    let (local, squares, noise) = (around(values), around(&squares), around(noise));
+    let pixels = (0..values.len()).into_par_iter().map(|i| {
+        [0, 1, 2].map(|c| {
+            let mean = local[i][c];
+            let spread = squares[i][c] - mean * mean;
+            let signal = (spread - noise[i][c]).max(0.0);
+            let keep = if spread > 0.0 { signal / spread } else { 0.0 };
+            mean + keep * (values[i][c] - mean)
+        })
+    });
+    pixels.collect()
+}

@@ -12,7 +12,7 @@ pub(super) struct PixelEvidence {
     /// Square of half the replicates' difference.
     pub squared: [f64; 3],
     /// Variance of the mean as the scatter of all samples tells it.
-    pub scatter: [f64; 3],
+    pub variance: [f64; 3],
     /// The same as the scatter of either replicate tells it.
     pub by_replicate: [[f64; 3]; 2],
 }
@@ -31,60 +31,64 @@ pub(super) struct Evidence {
 
 impl Evidence {
     /// That of `film`; `None` while a pixel has not two samples, one of each replicate.
+    ///
+    /// Of samples that are drawn each by itself the variance follows from their scatter. With
+    /// samplers that stratify the mean is better than the scatter says; by how much is told by the
+    /// replicates of the 7 × 7 pixels around.
     pub(super) fn of(film: &Film) -> Option<Self> {
-        let pixels: Option<Vec<_>> = film
-            .pixels
-            .par_iter()
-            .map(|pixel| {
-                Some(PixelEvidence {
-                    squared: pixel.half_difference()?.map(|half| half * half),
-                    scatter: pixel.variance_of_mean()?,
-                    by_replicate: pixel.variances_by_replicate()?,
-                })
+        let pixels = film.pixels.par_iter().map(|pixel| {
+            Some(PixelEvidence {
+                squared: pixel.half_difference()?.map(|half| half * half),
+                variance: pixel.variance_of_mean()?,
+                by_replicate: pixel.variances_by_replicate()?,
             })
-            .collect();
+        });
+        let pixels: Option<Vec<_>> = pixels.collect();
+        let mut pixels = pixels?;
         let independent = film.sampler.is_independent();
-        let replicates = if independent {
-            film.mean_samples() as f64
-        } else {
-            2.0
-        };
+        if !independent {
+            reduce_to_replicates(&mut pixels, film.size);
+        }
         Some(Self {
             size: film.size,
-            pixels: pixels?,
+            pixels,
             independent,
-            replicates,
+            replicates: if independent {
+                film.mean_samples() as f64
+            } else {
+                2.0
+            },
         })
     }
 
-    /// What tells the squared error of a pixel.
-    pub(super) fn estimate<'p>(&self, pixel: &'p PixelEvidence) -> &'p [f64; 3] {
-        if self.independent {
-            &pixel.scatter
-        } else {
-            &pixel.squared
-        }
-    }
-
     /// Per pixel and channel the variance of the mean.
-    ///
-    /// That of independent samples follows from their scatter. With samplers that stratify the mean
-    /// is better than the scatter says; by how much is told by the replicates of the 7 × 7 pixels
-    /// around.
     pub(super) fn variances(&self) -> Vec<[f64; 3]> {
-        let of_pixels = |values: fn(&PixelEvidence) -> [f64; 3]| -> Vec<[f64; 3]> {
-            self.pixels.par_iter().map(values).collect()
-        };
-        let scatter = of_pixels(|pixel| pixel.scatter);
-        if self.independent {
-            return scatter;
-        }
-        let by_replicates = box_mean(&of_pixels(|pixel| pixel.squared), self.size, RADIUS);
-        let by_scatter = box_mean(&scatter, self.size, RADIUS);
-        let pixels = scatter.par_iter().zip(by_replicates).zip(by_scatter);
-        let scaled = pixels.map(|((scatter, replicates), around)| {
-            [0, 1, 2].map(|c| scatter[c] * replicates[c] / around[c].max(f64::MIN_POSITIVE))
-        });
-        scaled.collect()
+        self.pixels.par_iter().map(|pixel| pixel.variance).collect()
     }
+}
+
+/// Multiplies what the scatter says by what the replicates around say of it.
+fn reduce_to_replicates(pixels: &mut [PixelEvidence], size: FilmSize) {
+    let around = |values: fn(&PixelEvidence) -> [f64; 3]| {
+        let values: Vec<_> = pixels.par_iter().map(values).collect();
+        box_mean(&values, size, RADIUS)
+    };
+    let by_replicates = around(|pixel| pixel.squared);
+    let by_scatter = around(|pixel| pixel.variance);
+    let around = by_replicates.into_par_iter().zip(by_scatter);
+    pixels
+        .par_iter_mut()
+        .zip(around)
+        .for_each(|(pixel, (replicates, scatter))| {
+            for c in 0..3 {
+                let part = if scatter[c] > 0.0 {
+                    replicates[c] / scatter[c]
+                } else {
+                    0.0
+                };
+                pixel.variance[c] *= part;
+                pixel.by_replicate[0][c] *= part;
+                pixel.by_replicate[1][c] *= part;
+            }
+        });
 }

@@ -19,17 +19,16 @@ mod chance;
 mod denominators;
 mod doubt;
 mod evidence;
+mod relative;
 mod standard_error;
 
 use super::film::Film;
 use crate::scene::ErrorMetric;
 use crate::stats::interval::Interval;
-use crate::stats::sums::sum;
 use chance::SquaredError;
-use denominators::squared_truth;
 pub use doubt::Doubt;
 use evidence::Evidence;
-use rayon::prelude::*;
+use relative::relative;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 pub use standard_error::tile_sums;
 
@@ -150,63 +149,6 @@ impl SquaredError {
             doubt: (usual.high > TOLD * value).then(|| self.doubt()),
         }
     }
-}
-
-/// relMSE with the interval for `confidence`; 1 % of the squared mean is the `floor` of what it
-/// divides by.
-///
-/// In the denominators D stands what the image suggests for the truth r. Its noise, of variance ρV,
-/// is of two consequences. By chance D = r² is off by 2r√(ρV), pixel by pixel, which adds 4ρ(V/D)³
-/// to the variance of the pixel's term. On the whole it makes the estimate too small or too large,
-/// as errors are skewed or not; how much it may be is told by denominators with their noise added
-/// to them, and the interval is so much wider. Its upper end allows besides for pixels that are
-/// bright by chance: their denominators may be those that the lesser replicate and the pixels around
-/// suggest.
-fn relative(film: &Film, evidence: &Evidence, floor: f64, confidence: f64) -> Option<StatedError> {
-    let truth = squared_truth(film, evidence)?;
-    let part = 1.0 / (3.0 * film.pixels.len() as f64);
-    let denominator = |i: usize, c: usize| truth[i][c].square + floor;
-    let mut error = SquaredError::of(evidence, |i| [0, 1, 2].map(|c| part / denominator(i, c)));
-    let variances = evidence.variances();
-    let pixels = evidence.pixels.par_iter().zip(&truth).zip(&variances);
-    let terms = pixels.enumerate().map(|(i, ((pixel, truth), variances))| {
-        let estimates = evidence.estimate(pixel);
-        let (mut with_noise, mut at_most, mut by_chance) = (0.0, 0.0, 0.0);
-        for c in 0..3 {
-            let (estimate, d) = (part * estimates[c], denominator(i, c));
-            with_noise += estimate / (d + truth[c].noise * estimates[c]);
-            at_most += estimate / (truth[c].least + floor);
-            by_chance += 12.0 * part * part * truth[c].noise * (variances[c] / d).powi(3);
-        }
-        [with_noise, at_most, by_chance]
-    });
-    let [with_noise, at_most, by_chance] = sum(terms);
-    let (above, below) = (error.sum - with_noise, at_most - error.sum);
-    error.variance += by_chance;
-    let stated = |confidence: f64| {
-        let Interval { value, low, high } = error.interval(confidence);
-        if value <= 0.0 {
-            return Interval { value, low, high };
-        }
-        // What denominators may do is no chance that would average out: it comes on top.
-        Interval {
-            value,
-            low: (value - above).max(0.0) * (low / value),
-            high: (value + above.max(below)) * (high / value),
-        }
-    };
-    let Interval { value, low, high } = stated(confidence);
-    let doubt = match stated(CONFIDENCE).high > TOLD * value {
-        false => None,
-        true if error.interval(CONFIDENCE).high > TOLD * value => Some(error.doubt()),
-        true => Some(Doubt::Denominators),
-    };
-    Some(StatedError {
-        value,
-        low,
-        high,
-        doubt,
-    })
 }
 
 #[cfg(test)]
