@@ -36,8 +36,31 @@ pub(super) struct SquaredError {
 }
 
 impl SquaredError {
-    /// That of `evidence`, whose channels count in each pixel with its `weights`.
+    /// That of `evidence`, whose channels count in each pixel with its `weights`, which know nothing
+    /// of the pixel's noise. Of samples that are drawn each by itself the scatter tells it.
     pub(super) fn of(evidence: &Evidence, weights: impl Fn(usize) -> [f64; 3] + Sync) -> Self {
+        let replicates = evidence.replicates;
+        Self::told_by(
+            evidence,
+            weights,
+            usize::from(evidence.independent),
+            replicates,
+        )
+    }
+
+    /// The same by the two replicates whatever the sampler. Where weights come from the same
+    /// samples, the scatter of these is the worse guide: a bright sample adds to both.
+    pub(super) fn of_two(evidence: &Evidence, weights: impl Fn(usize) -> [f64; 3] + Sync) -> Self {
+        Self::told_by(evidence, weights, 0, 2.0)
+    }
+
+    /// Told by the squared half differences (0) or the scatter (1).
+    fn told_by(
+        evidence: &Evidence,
+        weights: impl Fn(usize) -> [f64; 3] + Sync,
+        which: usize,
+        replicates: f64,
+    ) -> Self {
         let pixels = evidence.pixels.par_iter().enumerate();
         let weighted: Vec<[f64; 4]> = pixels
             .map(|(i, pixel)| {
@@ -55,14 +78,12 @@ impl SquaredError {
         let by_replicates = weighted.par_iter().map(|w| [4.0 * w[2] * w[3]]);
         let [by_replicates] = sum(by_replicates);
         let variance = by_replicates.max(by_neighbours(&weighted, evidence.size));
-        // Of samples that are drawn each by itself the scatter, else the squared half differences.
-        let told_by = usize::from(evidence.independent);
-        let parts = weighted.par_iter().map(|w| w[told_by]);
+        let parts = weighted.par_iter().map(|w| w[which]);
         Self {
             sum: sum(parts.clone().map(|part| [part]))[0],
             largest: parts.reduce(|| 0.0, f64::max),
             variance,
-            replicates: evidence.replicates,
+            replicates,
         }
     }
 

@@ -29,18 +29,13 @@ pub(super) fn relative(
     let truth = squared_truth(film, evidence)?;
     let part = 1.0 / (3.0 * film.pixels.len() as f64);
     let denominator = |i: usize, c: usize| truth[i][c].square + floor;
-    let mut error = SquaredError::of(evidence, |i| [0, 1, 2].map(|c| part / denominator(i, c)));
+    let mut error = SquaredError::of_two(evidence, |i| [0, 1, 2].map(|c| part / denominator(i, c)));
     let pixels = evidence.pixels.par_iter().zip(&truth);
     let terms = pixels.enumerate().map(|(i, (pixel, truth))| {
-        let estimates = if evidence.independent {
-            pixel.variance
-        } else {
-            pixel.squared
-        };
         let (mut with_noise, mut at_most, mut by_chance) = (0.0, 0.0, 0.0);
         for c in 0..3 {
-            let (estimate, d) = (part * estimates[c], denominator(i, c));
-            with_noise += estimate / (d + truth[c].noise * estimates[c]);
+            let (estimate, d) = (part * pixel.squared[c], denominator(i, c));
+            with_noise += estimate / (d + truth[c].noise * pixel.squared[c]);
             at_most += estimate / (truth[c].least + floor);
             by_chance += 12.0 * part * part * truth[c].noise * (pixel.variance[c] / d).powi(3);
         }

@@ -125,7 +125,7 @@ pub(super) fn summary(files: &[&Path], report: &Report) -> String {
         [] => vec![report.scene.clone()],
         files => files.iter().map(|p| p.display().to_string()).collect(),
     };
-    let unknown = "error unknown, no light was found".to_owned();
+    let unknown = "error unknown".to_owned();
     let error = report.error.as_ref().map_or(unknown, error_sentence);
     format!(
         "{}: {} × {}, {} spp in {:.2} s ({:.1} M samples/s, {:.1} M rays/s), {error}",
