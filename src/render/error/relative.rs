@@ -33,11 +33,11 @@ pub(super) fn relative(
     let pixels = evidence.pixels.par_iter().zip(&truth);
     let terms = pixels.enumerate().map(|(i, (pixel, truth))| {
         let (mut with_noise, mut at_most, mut by_chance) = (0.0, 0.0, 0.0);
-        for c in 0..3 {
+        for (c, truth) in truth.iter().enumerate() {
             let (estimate, d) = (part * pixel.squared[c], denominator(i, c));
-            with_noise += estimate / (d + truth[c].noise * pixel.squared[c]);
-            at_most += estimate / (truth[c].least + floor);
-            by_chance += 12.0 * part * part * truth[c].noise * (pixel.variance[c] / d).powi(3);
+            with_noise += estimate / (d + truth.noise * pixel.squared[c]);
+            at_most += estimate / (truth.least + floor);
+            by_chance += 12.0 * part * part * truth.noise * (pixel.variance[c] / d).powi(3);
         }
         [with_noise, at_most, by_chance]
     });
