@@ -8,7 +8,7 @@
 
 use crate::error::Error;
 use crate::output;
-use crate::render::Film;
+use crate::render::{Film, ImageError, StatedError};
 use crate::scene::FilmSize;
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, ImageAttributes, Layer,
@@ -39,7 +39,7 @@ pub fn write(
 }
 
 /// The film with its standard errors, its numbers of samples, `further` channels and `attributes`
-/// (name, text), as an EXR.
+/// (name, text), to which the error is added that the image states, as an EXR.
 ///
 /// While a pixel has fewer than two samples standard errors are not known: there stands
 /// [`UNKNOWN_ERROR`].
@@ -63,7 +63,26 @@ pub fn encode(
     let samples = |i: usize| film.pixels[i].samples as f32;
     channels.push(channel(film, "samples.X", samples));
     channels.extend(further.iter().cloned());
-    encode_channels(film.size, channels, attributes)
+    let mut attributes = attributes.to_vec();
+    for (name, stated) in film.error().into_iter().flat_map(error_attributes) {
+        attributes.push((name, stated));
+    }
+    encode_channels(film.size, channels, &attributes)
+}
+
+/// The error that the image states, with its interval of 95 %, and why it cannot be told where that
+/// is so.
+fn error_attributes(error: ImageError) -> Vec<(&'static str, String)> {
+    let metrics = [
+        (["nmse", "nmse_doubt"], error.nmse),
+        (["rel_mse", "rel_mse_doubt"], error.rel_mse),
+    ];
+    let of_metric = |([name, name_of_doubt], e): ([&'static str; 2], StatedError)| {
+        let doubt = e.doubt.map(|doubt| (name_of_doubt, doubt.to_string()));
+        let stated = format!("{:e} [{:e}, {:e}]", e.value, e.low, e.high);
+        std::iter::once((name, stated)).chain(doubt)
+    };
+    metrics.into_iter().flat_map(of_metric).collect()
 }
 
 /// The film's radiance alone with `attributes` (name, text), as an EXR: for readers that take no

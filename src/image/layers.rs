@@ -6,7 +6,7 @@ use crate::gpu::AdapterFacts;
 use crate::gpu::features::Features;
 use crate::prepare::Prepared;
 use crate::render::aov::SurfacePoint;
-use crate::render::{AovImages, Film, ImageError, StatedError};
+use crate::render::{AovImages, Film};
 use crate::scene::{Aov, Scene};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -85,8 +85,7 @@ fn triple<T: Sync>(
     channels.collect()
 }
 
-/// How an image came about on `adapter`: scene, settings, samples per pixel, and the error that it
-/// states.
+/// How an image came about on `adapter`: scene, settings, samples per pixel.
 pub fn render_attributes(
     prepared: &Prepared,
     film: &Film,
@@ -103,23 +102,7 @@ pub fn render_attributes(
     ];
     attributes.extend(settings.estimator.entries());
     attributes.extend(prepared.bias().map(|bias| ("biased", bias)));
-    attributes.extend(film.error().into_iter().flat_map(error_attributes));
     attributes
-}
-
-/// The error that the image states, with its interval of 95 %, and why it cannot be told where that
-/// is so.
-fn error_attributes(error: ImageError) -> Vec<(&'static str, String)> {
-    let metrics = [
-        (["nmse", "nmse_doubt"], error.nmse),
-        (["rel_mse", "rel_mse_doubt"], error.rel_mse),
-    ];
-    let of_metric = |([name, name_of_doubt], e): ([&'static str; 2], StatedError)| {
-        let doubt = e.doubt.map(|doubt| (name_of_doubt, doubt.to_string()));
-        let stated = format!("{:e} [{:e}, {:e}]", e.value, e.low, e.high);
-        std::iter::once((name, stated)).chain(doubt)
-    };
-    metrics.into_iter().flat_map(of_metric).collect()
 }
 
 /// What belongs to the channels: names of the numbers in them, as JSON objects, and the samples of
