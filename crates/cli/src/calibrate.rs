@@ -40,19 +40,13 @@ impl CalibrateArguments {
         strategies: &[Strategy],
         samplers: &[Sampler],
     ) -> Settings {
-        let choices = Choices {
-            strategies: or(strategies, &[scene.render.estimator.strategy]),
-            samplers: or(samplers, Sampler::value_variants()),
-            ..Choices::of(&scene.render)
-        };
-        let allocations = or(&self.adaptive, &[scene.render.estimator.adaptive]);
-        let estimators = allocations.into_iter().flat_map(|adaptive| {
-            let mut choices = choices.clone();
-            choices.base.adaptive = adaptive;
-            combinations(&choices)
-        });
         Settings {
-            estimators: estimators.collect(),
+            estimators: combinations(&Choices {
+                strategies: or(strategies, &[scene.render.estimator.strategy]),
+                samplers: or(samplers, Sampler::value_variants()),
+                adaptive: or(&self.adaptive, &[scene.render.estimator.adaptive]),
+                ..Choices::of(&scene.render)
+            }),
             images: self.images,
             samples: or(&self.spp, &[scene.render.stop.spp]),
             seed: scene.render.seed,
@@ -85,14 +79,9 @@ pub fn print_table(calibrations: &[Calibration]) {
     ));
     for c in calibrations {
         let (nmse, rel_mse, stopped) = (&c.nmse, &c.rel_mse, &c.stopped);
-        let adaptive = if c.estimator.settings.adaptive {
-            " · adaptive"
-        } else {
-            ""
-        };
         print(&format!(
             "  {:<44}{:>6}{:>8} %{:>18}{:>9}{:>15}{:>18}{:>9}{:>15}  {:>6} % in {:>5.0}{:>18}{:>15}\n",
-            format!("{}{adaptive}", c.estimator),
+            c.estimator.to_string(),
             c.samples,
             short(100.0 * nmse.actual.sqrt()),
             plus_minus(nmse.ratio, 3),

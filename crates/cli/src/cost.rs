@@ -326,6 +326,7 @@ impl Arguments {
             shadow_rays: or(&self.shadow_rays, &[render.estimator.shadow_rays]),
             shadow_patterns: or(&self.shadow_patterns, &[render.estimator.shadow_pattern]),
             samplers: or(&self.samplers, &[Sampler::Independent, Sampler::Sobol]),
+            adaptive: vec![render.estimator.adaptive],
             effects: [&[Compiled::CalledFor], self.effects.as_slice()].concat(),
         };
         Settings {

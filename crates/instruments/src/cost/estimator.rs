@@ -86,6 +86,10 @@ impl Estimator {
             format!("{} ray{plural}", self.settings.shadow_rays),
         );
         tell(told.pattern, self.settings.shadow_pattern.to_string());
+        tell(
+            told.adaptive && self.settings.adaptive,
+            "adaptive".to_owned(),
+        );
         tell(told.effects, self.effects.to_string());
         name
     }
@@ -99,6 +103,7 @@ impl std::fmt::Display for Estimator {
             selection: true,
             rays: self.settings.shadow_rays != 1,
             pattern: self.settings.shadow_pattern != ShadowPattern::Random,
+            adaptive: true,
             effects: self.effects != Compiled::CalledFor,
         };
         f.write_str(&self.name(told))
@@ -112,6 +117,7 @@ struct LabelParts {
     selection: bool,
     rays: bool,
     pattern: bool,
+    adaptive: bool,
     effects: bool,
 }
 
@@ -127,6 +133,7 @@ pub fn names(estimators: &[Estimator]) -> Vec<String> {
         selection: differ(&|e| e.settings.light_selection as u32),
         rays: differ(&|e| e.settings.shadow_rays),
         pattern: differ(&|e| e.settings.shadow_pattern as u32),
+        adaptive: differ(&|e| u32::from(e.settings.adaptive)),
         effects: estimators.iter().any(|e| e.effects != Compiled::CalledFor),
     };
     estimators.iter().map(|e| e.name(told)).collect()
@@ -159,6 +166,8 @@ pub struct Choices {
     pub shadow_patterns: Vec<ShadowPattern>,
     /// How random numbers are made.
     pub samplers: Vec<Sampler>,
+    /// Whether sampling is adaptive.
+    pub adaptive: Vec<bool>,
     /// The effects that they are compiled with.
     pub effects: Vec<Compiled>,
 }
@@ -174,6 +183,7 @@ impl Choices {
             shadow_rays: vec![settings.estimator.shadow_rays],
             shadow_patterns: vec![settings.estimator.shadow_pattern],
             samplers: vec![settings.estimator.sampler],
+            adaptive: vec![settings.estimator.adaptive],
             effects: vec![Compiled::CalledFor],
         }
     }
@@ -207,6 +217,7 @@ pub fn combinations(choices: &Choices) -> Vec<Estimator> {
         e.settings.shadow_pattern = v;
     });
     vary(&mut all, &choices.samplers, |e, v| e.settings.sampler = v);
+    vary(&mut all, &choices.adaptive, |e, v| e.settings.adaptive = v);
     vary(&mut all, &choices.effects, |e, v| e.effects = v);
     let mut seen = Vec::new();
     all.retain(|e| {
