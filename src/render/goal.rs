@@ -94,8 +94,9 @@ impl ErrorMonitor {
                 Verdict::Black
             };
         };
-        let mut upper = error.in_metric(self.goal.metric).high;
-        if upper <= goal && error.in_metric(self.goal.metric).doubt.is_some() {
+        let stated = error.in_metric(self.goal.metric);
+        let mut upper = stated.high;
+        if upper <= goal && stated.doubt.is_some() {
             let surer = film.error_at(self.goal.confidence.max(BEYOND_DOUBT));
             upper = surer.map_or(f64::INFINITY, |e| e.in_metric(self.goal.metric).high);
         }

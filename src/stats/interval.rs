@@ -148,6 +148,13 @@ mod tests {
         assert!(student_95(0.0).is_infinite());
         assert!((student(f64::INFINITY, 0.99) - 2.575_829).abs() < 1e-5);
         assert!((student(4.0, 0.9) - 2.131_8).abs() < 1e-4);
+        for (upper, lower, quantile) in [(10.0, 10.0, 3.716_8), (4.0, 20.0, 3.514_7)] {
+            assert!((fisher(upper, lower, 0.975) - quantile).abs() < 1e-3);
+            assert!((fisher(lower, upper, 0.025) * quantile - 1.0).abs() < 1e-3);
+        }
+        // Both sides of where the distribution counts as normal.
+        let [few, many] = [9999.0, 10_001.0].map(|nu| fisher(nu, nu, 0.975));
+        assert!((few / many - 1.0).abs() < 1e-4, "{few} {many}");
     }
 
     #[test]
