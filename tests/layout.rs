@@ -3,8 +3,8 @@
 
 use direkt::low_level::gpu::layout::{
     self, BvhUniform, CameraUniform, Dispatch, EnvironmentUniform, FeatureSums, FilmUniform, Frame,
-    LightTreeUniform, LightsUniform, PatternsUniform, PixelState, SampleRecord, ShadowUniform,
-    SurfaceRecord,
+    LightInViewUniform, LightTreeUniform, LightsUniform, PatternsUniform, PixelState, SampleRecord,
+    ShadowUniform, SurfaceRecord,
 };
 use direkt::low_level::gpu::shader::{KernelConstants, link_with};
 use direkt_instruments::lab::layout::{LabBlock, LabRun};
@@ -183,8 +183,22 @@ fn structs_have_the_same_members() {
         shadow,
         seed,
         far,
+        lights_in_view_count,
+        padding,
+        lights_in_view
+    });
+    let light_in_view = members!(LightInViewUniform {
+        bounds,
+        light,
+        out_of_focus,
         padding
     });
+    check(
+        &module,
+        "LightInViewUniform",
+        size_of::<LightInViewUniform>(),
+        &light_in_view,
+    );
     let dispatch = members!(Dispatch {
         block_start,
         first_tile,

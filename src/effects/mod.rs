@@ -206,6 +206,9 @@ effects! {
     DistantCamera "DISTANT_CAMERA" "distant-camera" Simulation |_| None;
     /// Pixels that show something else than their own squares.
     PixelFilter "PIXEL_FILTER" "pixel-filter" Simulation |r| r.pixel_filter();
+    /// Lights much smaller than a pixel or than their circle of confusion, which the camera sees:
+    /// they are sampled there.
+    LightsInView "LIGHTS_IN_VIEW" "lights-in-view" Sampling |r| r.lights_in_view();
     /// The light of groups of lights apart.
     LightGroups "LIGHT_GROUPS" "light-groups" Simulation |r| r.light_groups();
 }
@@ -240,6 +243,11 @@ impl Effects {
     /// Adds an effect; the first reason stays.
     pub fn call_for(&mut self, effect: Effect, reason: impl FnOnce() -> String) {
         self.0.entry(effect).or_insert_with(reason);
+    }
+
+    /// Takes an effect out.
+    pub(crate) fn remove(&mut self, effect: Effect) {
+        self.0.remove(&effect);
     }
 
     /// Whether `effect` is not among them and can be compiled in all the same; see

@@ -3,10 +3,11 @@
 
 use super::layout::{
     BvhUniform, CameraUniform, EnvironmentUniform, FILTER_WORDS, FilmUniform, Frame,
-    LightTreeUniform, LightsUniform, PatternsUniform, ShadowUniform, TILE,
+    LightInViewUniform, LightTreeUniform, LightsUniform, PatternsUniform, ShadowUniform, TILE,
 };
 use super::lights::first_emission_word;
 use crate::emitters::Selection;
+use crate::prepare::lights_in_view::MAX_LIGHTS_IN_VIEW;
 use crate::prepare::{Patterns, Prepared};
 use crate::scene::environment::Interpolation;
 use crate::scene::filter::FilterTable;
@@ -70,7 +71,9 @@ pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
         },
         seed,
         far: (4.0 * prepared.data.normalization.reach) as f32,
-        padding: [0; 2],
+        lights_in_view_count: prepared.lights_in_view.len() as u32,
+        padding: 0,
+        lights_in_view: lights_in_view_of(prepared),
     }
 }
 
@@ -93,6 +96,20 @@ fn lights_of(prepared: &Prepared) -> LightsUniform {
         *words = [x, y, z, 0];
     }
     lights
+}
+
+fn lights_in_view_of(prepared: &Prepared) -> [LightInViewUniform; MAX_LIGHTS_IN_VIEW] {
+    let mut uniforms = [LightInViewUniform::default(); MAX_LIGHTS_IN_VIEW];
+    for (uniform, seen) in uniforms.iter_mut().zip(&prepared.lights_in_view) {
+        let ([x0, y0], [x1, y1]) = (seen.low.to_array(), seen.high.to_array());
+        *uniform = LightInViewUniform {
+            bounds: [x0, y0, x1, y1].map(|x| x as f32),
+            light: seen.light,
+            out_of_focus: u32::from(seen.out_of_focus),
+            padding: [0; 2],
+        };
+    }
+    uniforms
 }
 
 /// Zeros where lights are not chosen by a tree.

@@ -2,6 +2,7 @@
 //! `shaders/types.wesl`.
 
 use crate::accel::{MAX_LIGHT_BOXES, attributes};
+use crate::prepare::lights_in_view::MAX_LIGHTS_IN_VIEW;
 use crate::scene::Light;
 use bytemuck::{Pod, Zeroable};
 
@@ -147,6 +148,21 @@ pub struct ShadowUniform {
     pub steps: [u32; 2],
 }
 
+/// `LightInViewUniform` of `shaders/types.wesl`: a small light that the camera sees.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LightInViewUniform {
+    /// Least and largest x and y, in pixels, of the middles of the pixels that may show it: min x,
+    /// min y, max x, max y.
+    pub bounds: [f32; 4],
+    /// The light.
+    pub light: u32,
+    /// 1 where it is seen through points of the lens that are chosen by it.
+    pub out_of_focus: u32,
+    /// Unused.
+    pub padding: [u32; 2],
+}
+
 /// `Frame` of `shaders/types.wesl`: what stays the same for a whole render.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
@@ -172,8 +188,12 @@ pub struct Frame {
     pub seed: u32,
     /// Length beyond everything in the scene, for shadow rays to infinitely distant lights.
     pub far: f32,
+    /// Number of the small lights in view.
+    pub lights_in_view_count: u32,
     /// Unused.
-    pub padding: [u32; 2],
+    pub padding: u32,
+    /// The small lights in view.
+    pub lights_in_view: [LightInViewUniform; MAX_LIGHTS_IN_VIEW],
 }
 
 /// Words of [`FilmUniform::filter_knots`].

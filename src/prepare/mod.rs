@@ -1,6 +1,7 @@
 //! From a scene to everything that the GPU and the reference need: what depends on the scene alone
 //! ([`SceneData`]), and what depends on the estimator as well ([`Prepared`]).
 
+pub mod lights_in_view;
 pub mod near_plane;
 mod scene_data;
 
@@ -10,6 +11,7 @@ use crate::accel;
 use crate::effects::{Effect, EffectQuery, Effects};
 use crate::emitters::Emitters;
 use crate::scene::{Camera, FilmSize, RenderSettings, Sampler, Scene, ShadowGrid, ShadowPattern};
+use lights_in_view::{LightInView, lights_in_view};
 use std::sync::Arc;
 
 /// A scene made ready for one estimator: its lights, how they are chosen, and the effects that are
@@ -29,6 +31,8 @@ pub struct Prepared {
     /// Boxes around the primitives that emit; see
     /// [`accel::light_boxes`](crate::accel::light_boxes()).
     pub light_boxes: Vec<[u32; 3]>,
+    /// Small lights that the camera sees, which are sampled there.
+    pub lights_in_view: Vec<LightInView>,
     /// What is compiled in, and why.
     pub effects: Effects,
 }
@@ -64,6 +68,7 @@ impl Prepared {
         let emitting = emitters.primitives();
         let emitting = emitting.map(|index| primitives[index as usize].geometry.bounds());
         let light_boxes = accel::light_boxes(bvh, emitting.collect());
+        let lights_in_view = lights_in_view(data, &camera, film, &emitters);
         let effects = Effects::called_for(&EffectQuery {
             scene,
             camera: &camera,
@@ -71,6 +76,7 @@ impl Prepared {
             primitives,
             attributes,
             emitters: &emitters,
+            lights_in_view: &lights_in_view,
         });
         let mut prepared = Self {
             data: Arc::clone(data),
@@ -79,10 +85,19 @@ impl Prepared {
             settings,
             emitters,
             light_boxes,
+            lights_in_view,
             effects,
         };
         prepared.call_for_scale();
         prepared
+    }
+
+    /// The same where camera rays find small lights in view by chance alone.
+    #[must_use]
+    pub fn with_lights_in_view_by_chance(mut self) -> Self {
+        self.lights_in_view.clear();
+        self.effects.remove(Effect::LightsInView);
+        self
     }
 
     /// Adds the effects that the scale of the scene calls for.

@@ -9,6 +9,7 @@ mod ledger;
 mod lens;
 mod light_groups;
 mod light_tree;
+mod lights_in_view;
 mod one_pixel;
 mod opacity;
 mod pixel_filter;

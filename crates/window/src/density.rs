@@ -197,8 +197,8 @@ fn pdf_lights(world: &World<'_>, own: &[u32], s: &Surface, wi: DVec3) -> f64 {
         }
     };
     let lights: f64 = emitters.lights.iter().enumerate().map(of_light).sum();
-    let suns = suns(world).filter(|(sun, _)| is_in_sun(sun, wi));
-    let all = lights + suns.map(|(sun, p)| pdf_sun(&sun, p).0).sum::<f64>();
+    let suns = suns(world).filter(|(_, sun, _)| is_in_sun(sun, wi));
+    let all = lights + suns.map(|(_, sun, p)| pdf_sun(&sun, p).0).sum::<f64>();
     match &emitters.selection {
         // Each light has its turn.
         Some(Selection::All(_)) => all / own.len().max(1) as f64,

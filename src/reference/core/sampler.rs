@@ -26,6 +26,10 @@ pub const GROUP_LIGHT_POINTS: u32 = 16;
 /// follows.
 pub const GROUP_SPECULAR: u32 = 0x5bd1_e995;
 
+/// Group of the point on the first of the small lights in view: light point x, light point y; –, –.
+/// That of the next follows.
+pub const GROUP_LIGHTS_IN_VIEW: u32 = 0x2545_f491;
+
 /// Names one sample of one pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SampleId {

@@ -73,7 +73,7 @@ impl Direct<'_> {
         sample: &mut Sample,
     ) -> DVec3 {
         let mut sum = DVec3::ZERO;
-        for (sun, selection) in suns(&self.world) {
+        for (_, sun, selection) in suns(&self.world) {
             let margin = &mut sample.conditions.cell_margin;
             *margin = margin.min(sun_margin(&sun, direction));
             if is_in_sun(&sun, direction) {

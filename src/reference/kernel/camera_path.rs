@@ -74,12 +74,14 @@ fn record_way(sample: &mut Sample, way: Way) {
 }
 
 /// Follows the camera ray of sample `id`: adds the radiance that it meets to `sample`, and finds
-/// the surface that is lit directly.
+/// the surface that is lit directly. What the first ray meets of the lights `in_view` does not
+/// count: they are sampled.
 pub fn follow_camera_ray(
     world: &World<'_>,
     first: Ray,
     numbers: Numbers,
     id: SampleId,
+    in_view: &[u32],
     sample: &mut Sample,
 ) -> Option<LitSurface> {
     let depth = world.prepared.settings.estimator.max_specular_depth;
@@ -87,15 +89,16 @@ pub fn follow_camera_ray(
     let mut ray = first;
     loop {
         let number = RAY_CAMERA + sample.path.further_rays;
+        let sampled = if number == RAY_CAMERA { in_view } else { &[] };
         let hit = closest_hit(world, &ray, Crossings::of_sample(id).of_ray(number));
         record_hit(sample, hit.as_ref());
         let Some(hit) = hit else {
-            sample.radiance += throughput * distant_radiance(world, ray.direction);
+            sample.radiance += throughput * distant_radiance(world, ray.direction, sampled);
             return None;
         };
         let surface = surface_at(world, &ray, &hit, -ray.direction);
         sample.features = record_features(&surface, throughput);
-        if let Some(light) = surface.light {
+        if let Some(light) = surface.light.filter(|light| !sampled.contains(light)) {
             sample.radiance += throughput * emitted_radiance(world, light, surface.front, hit.st);
         }
         let bounce = sample.path.further_rays;

@@ -45,14 +45,14 @@ use glam::{DVec2, DVec3};
 #[derive(Debug)]
 pub struct Direct<'a> {
     pub(super) world: World<'a>,
-    size: FilmSize,
+    pub(super) size: FilmSize,
     seed: u32,
-    numbers: Numbers,
+    pub(super) numbers: Numbers,
     pub(super) shadow_rays: ShadowRays,
     pub(super) sample_lights: bool,
     sample_bsdf: bool,
     pub(super) hemisphere: Option<Hemisphere>,
-    filter: FilterTable,
+    pub(super) filter: FilterTable,
     balance: bool,
     pub(super) broken: Option<BrokenTwin>,
     left_out: u32,
@@ -140,7 +140,13 @@ impl<'a> Direct<'a> {
 
     fn sample_along(&self, ray: &Ray, id: SampleId) -> Sample {
         let mut sample = Sample::default();
-        let found = follow_camera_ray(&self.world, *ray, self.numbers, id, &mut sample);
+        let pixel = (id.pixel % self.size.width, id.pixel / self.size.width);
+        let lights = self.lights_of_pixel(pixel.0, pixel.1);
+        let in_view: Vec<u32> = lights.iter().map(|(_, seen)| seen.light).collect();
+        for &light in &lights {
+            sample.radiance += self.estimate_light_in_view(light, id, pixel, ray);
+        }
+        let found = follow_camera_ray(&self.world, *ray, self.numbers, id, &in_view, &mut sample);
         let Some(lit) = found else {
             return sample;
         };

@@ -31,6 +31,22 @@ pub fn sample_filter(table: &FilterTable, u: f64) -> f64 {
     if signed < 0.0 { -distance } else { distance }
 }
 
+/// Density of [`film_point`] at the distance `off` from the pixel's middle.
+pub fn filter_density(table: &FilterTable, off: DVec2) -> f64 {
+    let along_axis = |off: f64| {
+        let width = f64::from(table.cell_width);
+        let place = off.abs() / width;
+        if place >= FILTER_CELLS as f64 {
+            return 0.0;
+        }
+        let cell = place as usize;
+        let (low, high) = (filter_knot(table, cell), filter_knot(table, cell + 1));
+        let shape = low.y + (high.y - low.y) * place.fract();
+        (high.x - low.x) * shape / (low.y + high.y) / width
+    };
+    along_axis(off.x) * along_axis(off.y)
+}
+
 /// The point of the film that a sample of `pixel` sees, in pixels from the upper left corner.
 pub fn film_point(table: &FilterTable, pixel: DVec2, u: DVec2) -> DVec2 {
     pixel + 0.5 + DVec2::new(sample_filter(table, u.x), sample_filter(table, u.y))

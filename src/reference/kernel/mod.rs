@@ -7,5 +7,6 @@ pub mod direct;
 pub mod feature_record;
 pub mod filter;
 pub mod gbuffer;
+mod lights_in_view;
 pub mod sample;
 pub mod shadow_rays;

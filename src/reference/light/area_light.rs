@@ -84,7 +84,8 @@ struct LightPoint {
     pdf: PdfArea,
 }
 
-fn extent(geometry: &PrimitiveGeometry) -> f64 {
+/// Size of its coordinates, for the offset.
+pub fn extent(geometry: &PrimitiveGeometry) -> f64 {
     match *geometry {
         PrimitiveGeometry::Triangle { a, u, v }
         | PrimitiveGeometry::Rectangle { a, u, v }

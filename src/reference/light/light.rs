@@ -29,9 +29,10 @@ pub fn samples_of_light(world: &World<'_>, light: u32, rays: u32) -> u32 {
     }
 }
 
-/// Radiance that arrives from infinitely far in the unit direction `direction`.
-pub fn distant_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
-    environment_radiance(world, direction) + suns_radiance(world, direction)
+/// Radiance that arrives from infinitely far in the unit direction `direction`, without the suns
+/// `but`.
+pub fn distant_radiance(world: &World<'_>, direction: DVec3, but: &[u32]) -> DVec3 {
+    environment_radiance(world, direction) + suns_radiance(world, direction, but)
 }
 
 /// A sample of the chosen light from `x`, on a surface with the frame `frame`. `u` is the point on

@@ -9,13 +9,15 @@ use crate::scene::SunLight;
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// The suns of the scene that shine, with the probabilities that light selection chooses them.
-pub fn suns(world: &World<'_>) -> impl Iterator<Item = (SunLight, PdfDiscrete)> {
+/// The suns of the scene that shine, with their indices and the probabilities that light selection
+/// chooses them.
+pub fn suns(world: &World<'_>) -> impl Iterator<Item = (u32, SunLight, PdfDiscrete)> {
     let emitters = &world.prepared.emitters;
     let lights = emitters.lights.iter().enumerate();
     lights.filter_map(|(index, light)| match light {
         Emitter::Sun(sun) if world.shines(index) => {
-            Some((*sun, PdfDiscrete(emitters.probability(index))))
+            let probability = PdfDiscrete(emitters.probability(index));
+            Some((index as u32, *sun, probability))
         }
         _ => None,
     })
@@ -48,10 +50,11 @@ pub fn pdf_sun(sun: &SunLight, selection: PdfDiscrete) -> PdfSolidAngle {
     chosen(selection, pdf_cone(sun_height(sun)))
 }
 
-/// Radiance of all suns that lie in the unit direction `direction`.
-pub fn suns_radiance(world: &World<'_>, direction: DVec3) -> DVec3 {
-    let suns = suns(world).filter(|(sun, _)| is_in_sun(sun, direction));
-    suns.map(|(sun, _)| sun_radiance(&sun)).sum()
+/// Radiance of all suns that lie in the unit direction `direction`, without those `but`.
+pub fn suns_radiance(world: &World<'_>, direction: DVec3, but: &[u32]) -> DVec3 {
+    let suns =
+        suns(world).filter(|(index, sun, _)| is_in_sun(sun, direction) && !but.contains(index));
+    suns.map(|(_, sun, _)| sun_radiance(&sun)).sum()
 }
 
 /// A direction into a sun, uniform over its solid angle.

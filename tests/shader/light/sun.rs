@@ -173,14 +173,14 @@ fn suns_shine_where_they_are() {
     let world = World::new(&prepared);
     let function = Function {
         imports: IMPORTS,
-        body: "out_vec3f(0u, suns_radiance(in_vec3f(0u)));",
+        body: "out_vec3f(0u, suns_radiance(in_vec3f(0u), false));",
         inputs: 3,
         outputs: 3,
         features: &[],
     };
     let mut random = Random::new(73);
     let mut directions: Vec<DVec3> = (0..20_000).map(|_| random.direction()).collect();
-    for (sun, _) in suns(&world) {
+    for (_, sun, _) in suns(&world) {
         let size = sun_height(&sun).sqrt();
         directions.extend((0..20_000).map(|_| {
             let off = random.direction() * random.between(0.0, 3.0 * size);
@@ -195,10 +195,10 @@ fn suns_shine_where_they_are() {
     let answers = call_in(context, &prepared, &function, &inputs, directions.len());
     let mut compared = 0;
     for (direction, found) in directions.iter().zip(answers.vec3(0)) {
-        let margin = suns(&world).map(|(sun, _)| sun_margin(&sun, *direction));
+        let margin = suns(&world).map(|(_, sun, _)| sun_margin(&sun, *direction));
         if margin.fold(PI, f64::min) > 4.0 * U {
             compared += 1;
-            let expected = suns_radiance(&world, *direction);
+            let expected = suns_radiance(&world, *direction, &[]);
             assert!(
                 (found - expected).abs().max_element() <= 8.0 * U * expected.max_element(),
                 "{direction}: {found}, not {expected}"

@@ -3,6 +3,7 @@
 use direkt::low_level::effects::Effect;
 use direkt::low_level::emitters::Emitter;
 use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::core::sampler::GROUP_LIGHTS_IN_VIEW;
 use serde::Serialize;
 
 /// Rays of one sample.
@@ -75,6 +76,9 @@ pub fn random_numbers(prepared: &Prepared) -> Vec<RandomNumbers> {
     };
     add(true, "film", 0, 2, 1);
     add(calls_for(Effect::DepthOfField), "lens", 2, 2, 1);
+    let in_view = prepared.lights_in_view.len() as u32;
+    let first = GROUP_LIGHTS_IN_VIEW.wrapping_mul(4);
+    add(in_view > 0, "light in view", first, 2, in_view);
     let lights = calls_for(Effect::SampleLights);
     let extended = points(prepared);
     let fixed = calls_for(Effect::CenterPattern) || calls_for(Effect::GridPattern);
