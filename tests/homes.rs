@@ -26,7 +26,8 @@ const PUNCTUAL: &[&str] = &[
     "src/scene/load/gltf_scene/lights.rs",
 ];
 
-/// Files that know some kinds because they do more with them; BSDF-sampled rays reach suns.
+/// Files that know some kinds because they do more with them; BSDF-sampled rays and cameras reach
+/// suns.
 const GUESTS: [(&str, &[&str]); 4] = [
     ("point", PUNCTUAL),
     ("spot", PUNCTUAL),
@@ -37,12 +38,16 @@ const GUESTS: [(&str, &[&str]); 4] = [
             "crates/window/src/density.rs",
             "shaders/kernel/direct.wesl",
             "shaders/kernel/light_groups.wesl",
+            "shaders/kernel/lights_in_view.wesl",
             "src/effects/rules.rs",
             "src/emitters/mod.rs",
             "src/emitters/unit.rs",
             "src/gpu/lights.rs",
+            "src/prepare/lights_in_view.rs",
+            "src/prepare/small_lights.rs",
             "src/reference/exact/scene.rs",
             "src/reference/kernel/bsdf_rays.rs",
+            "src/reference/kernel/lights_in_view.rs",
             "src/scene/lights/directional.rs",
             "src/scene/mod.rs",
         ],

@@ -4,7 +4,7 @@
 use direkt::low_level::gpu::layout::{
     self, BvhUniform, CameraUniform, Dispatch, EnvironmentUniform, FeatureSums, FilmUniform, Frame,
     LightInViewUniform, LightTreeUniform, LightsUniform, PatternsUniform, PixelState, SampleRecord,
-    ShadowUniform, SurfaceRecord,
+    ShadowUniform, SmallLightUniform, SurfaceRecord,
 };
 use direkt::low_level::gpu::shader::{KernelConstants, link_with};
 use direkt_instruments::lab::layout::{LabBlock, LabRun};
@@ -184,13 +184,28 @@ fn structs_have_the_same_members() {
         seed,
         far,
         lights_in_view_count,
-        padding,
-        lights_in_view
+        small_lights_count,
+        lights_in_view,
+        small_lights
     });
+    let small_light = members!(SmallLightUniform {
+        place,
+        radius,
+        area,
+        kind,
+        strength,
+        light
+    });
+    check(
+        &module,
+        "SmallLightUniform",
+        size_of::<SmallLightUniform>(),
+        &small_light,
+    );
     let light_in_view = members!(LightInViewUniform {
         bounds,
         light,
-        out_of_focus,
+        points,
         padding
     });
     check(
@@ -214,12 +229,12 @@ fn structs_have_the_same_members() {
         dropped,
         shadow_rays,
         bsdf_rays,
-        first_nan,
-        first_infinite,
+        first_bad,
+        expected_hits,
         second_mean,
         second_samples,
         second_m2,
-        padding,
+        expected_squares,
     });
     let record = members!(SampleRecord {
         radiance,

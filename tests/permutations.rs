@@ -113,7 +113,7 @@ fn what_a_scene_does_not_call_for_is_not_in_its_shader() {
         "spot_falloff",
         "estimate_by_shadow_rays",
         "grid_point",
-        "part_of_sample",
+        "note_near_miss",
         "light_with_its_samples",
         "opacity_at",
         "is_stopped",

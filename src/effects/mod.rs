@@ -209,6 +209,9 @@ effects! {
     /// Lights much smaller than a pixel or than their circle of confusion, which the camera sees:
     /// they are sampled there.
     LightsInView "LIGHTS_IN_VIEW" "lights-in-view" Sampling |r| r.lights_in_view();
+    /// Lights that camera rays meet by chance alone, in mirrors and glass for the most part, but which
+    /// they nearly meet more often.
+    NearMisses "NEAR_MISSES" "near-misses" Simulation |_| None;
     /// The light of groups of lights apart.
     LightGroups "LIGHT_GROUPS" "light-groups" Simulation |r| r.light_groups();
 }

@@ -3,11 +3,14 @@
 
 use super::layout::{
     BvhUniform, CameraUniform, EnvironmentUniform, FILTER_WORDS, FilmUniform, Frame,
-    LightInViewUniform, LightTreeUniform, LightsUniform, PatternsUniform, ShadowUniform, TILE,
+    LightInViewUniform, LightTreeUniform, LightsUniform, NONE, POINTS_OF_FILM, POINTS_OF_LENS,
+    POINTS_OF_PIXEL, PatternsUniform, SMALL_BODY, SMALL_DISTANT, SMALL_PLANAR, SMALL_POINT,
+    SMALL_TWO_SIDED, ShadowUniform, SmallLightUniform, TILE,
 };
 use super::lights::first_emission_word;
 use crate::emitters::Selection;
-use crate::prepare::lights_in_view::MAX_LIGHTS_IN_VIEW;
+use crate::prepare::lights_in_view::{MAX_LIGHTS_IN_VIEW, PointsInView};
+use crate::prepare::small_lights::{Extent, MAX_SMALL_LIGHTS};
 use crate::prepare::{Patterns, Prepared};
 use crate::scene::environment::Interpolation;
 use crate::scene::filter::FilterTable;
@@ -72,8 +75,9 @@ pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
         seed,
         far: (4.0 * prepared.data.normalization.reach) as f32,
         lights_in_view_count: prepared.lights_in_view.len() as u32,
-        padding: 0,
+        small_lights_count: prepared.small_lights.len() as u32,
         lights_in_view: lights_in_view_of(prepared),
+        small_lights: small_lights_of(prepared),
     }
 }
 
@@ -105,8 +109,46 @@ fn lights_in_view_of(prepared: &Prepared) -> [LightInViewUniform; MAX_LIGHTS_IN_
         *uniform = LightInViewUniform {
             bounds: [x0, y0, x1, y1].map(|x| x as f32),
             light: seen.light,
-            out_of_focus: u32::from(seen.out_of_focus),
+            points: match seen.points {
+                PointsInView::OfFilm => POINTS_OF_FILM,
+                PointsInView::OfLens => POINTS_OF_LENS,
+                PointsInView::OfPixel => POINTS_OF_PIXEL,
+            },
             padding: [0; 2],
+        };
+    }
+    uniforms
+}
+
+fn small_lights_of(prepared: &Prepared) -> [SmallLightUniform; MAX_SMALL_LIGHTS] {
+    let per_unit = 1.0 / prepared.emitters.unit;
+    let mut uniforms = [SmallLightUniform::default(); MAX_SMALL_LIGHTS];
+    for (uniform, light) in uniforms.iter_mut().zip(&prepared.small_lights) {
+        let (area, radius, kind) = match light.extent {
+            Extent::Body { radius, area } => (area * DVec3::X, radius, SMALL_BODY),
+            Extent::Planar {
+                radius,
+                area,
+                two_sided,
+            } => (
+                area,
+                radius,
+                if two_sided {
+                    SMALL_TWO_SIDED
+                } else {
+                    SMALL_PLANAR
+                },
+            ),
+            Extent::Distant { solid_angle } => (solid_angle * DVec3::X, 0.0, SMALL_DISTANT),
+            Extent::Point { axis, cos_outer } => (axis, cos_outer, SMALL_POINT),
+        };
+        *uniform = SmallLightUniform {
+            place: f3(light.place),
+            radius: radius as f32,
+            area: f3(area),
+            kind,
+            strength: f3(light.strength * per_unit),
+            light: light.light.unwrap_or(NONE),
         };
     }
     uniforms

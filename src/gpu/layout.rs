@@ -3,6 +3,7 @@
 
 use crate::accel::{MAX_LIGHT_BOXES, attributes};
 use crate::prepare::lights_in_view::MAX_LIGHTS_IN_VIEW;
+use crate::prepare::small_lights::MAX_SMALL_LIGHTS;
 use crate::scene::Light;
 use bytemuck::{Pod, Zeroable};
 
@@ -148,7 +149,8 @@ pub struct ShadowUniform {
     pub steps: [u32; 2],
 }
 
-/// `LightInViewUniform` of `shaders/types.wesl`: a small light that the camera sees.
+/// `LightInViewUniform` of `shaders/types.wesl`: a light that is sampled in view
+/// of the camera.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct LightInViewUniform {
@@ -157,10 +159,31 @@ pub struct LightInViewUniform {
     pub bounds: [f32; 4],
     /// The light.
     pub light: u32,
-    /// 1 where it is seen through points of the lens that are chosen by it.
-    pub out_of_focus: u32,
+    /// Where its points are chosen: 0 on the light, to be seen from the lens, 1 on the light, to be seen
+    /// through the point in focus, 2 in the pixel.
+    pub points: u32,
     /// Unused.
     pub padding: [u32; 2],
+}
+
+/// `SmallLightUniform` of `shaders/types.wesl`: a small light that camera rays meet by chance.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SmallLightUniform {
+    /// Its middle; of a distant one the unit direction to it.
+    pub place: [f32; 3],
+    /// Radius of a sphere around it; of a point the cosine at the axis beyond which it does not shine.
+    pub radius: f32,
+    /// Normal times area of a planar one; (mean area across the line of sight, –, –) of a body;
+    /// (solid angle, –, –) of a distant one; axis of a point.
+    pub area: [f32; 3],
+    /// 0 a body, 1 planar, 2 planar and both sides shine, 3 distant, 4 a point.
+    pub kind: u32,
+    /// Radiance; irradiance from a distant one, radiant intensity of a point. Of one that stands for
+    /// several as much more.
+    pub strength: [f32; 3],
+    /// The light, or [`NONE`].
+    pub light: u32,
 }
 
 /// `Frame` of `shaders/types.wesl`: what stays the same for a whole render.
@@ -188,12 +211,14 @@ pub struct Frame {
     pub seed: u32,
     /// Length beyond everything in the scene, for shadow rays to infinitely distant lights.
     pub far: f32,
-    /// Number of the small lights in view.
+    /// Number of the lights that are sampled in view.
     pub lights_in_view_count: u32,
-    /// Unused.
-    pub padding: u32,
-    /// The small lights in view.
+    /// Number of the small lights that camera rays meet by chance.
+    pub small_lights_count: u32,
+    /// These lights.
     pub lights_in_view: [LightInViewUniform; MAX_LIGHTS_IN_VIEW],
+    /// The small lights that camera rays meet by chance.
+    pub small_lights: [SmallLightUniform; MAX_SMALL_LIGHTS],
 }
 
 /// Words of [`FilmUniform::filter_knots`].
@@ -233,18 +258,27 @@ pub struct PixelState {
     pub shadow_rays: u32,
     /// Rays traced in BSDF-sampled directions.
     pub bsdf_rays: u32,
-    /// Position in the block of the first NaN sample, or `u32::MAX`.
-    pub first_nan: u32,
-    /// Position in the block of the first infinite sample, or `u32::MAX`.
-    pub first_infinite: u32,
+    /// Position in the block of the first NaN sample, or 0xffff, and above these 16 bits that of the
+    /// first infinite sample.
+    pub first_bad: u32,
+    /// How often they should have met light of small lights.
+    pub expected_hits: f32,
     /// Mean radiance of the finite samples at odd positions: the second replicate.
     pub second_mean: [f32; 3],
     /// Number of finite samples at odd positions.
     pub second_samples: u32,
     /// Sum of squared deviations of the second replicate from its mean.
     pub second_m2: [f32; 3],
-    /// Unused.
-    pub padding: u32,
+    /// Sum over all samples of the squared radiance of light that they should have met, as near misses
+    /// of small lights tell; see `shaders/kernel/near_misses.wesl`.
+    pub expected_squares: f32,
+}
+
+impl PixelState {
+    /// Positions in the block of the first NaN and of the first infinite sample.
+    pub fn first_bad(&self) -> [Option<u32>; 2] {
+        [self.first_bad & 0xffff, self.first_bad >> 16].map(|p| (p != 0xffff).then_some(p))
+    }
 }
 
 /// A pixel's mean radiance of a group of lights, as bits, and the number of its samples; see
@@ -448,6 +482,24 @@ shared! {
     "scene::fetch" EMISSION_WORDS = 3;
     /// Where the group stands in a light's head.
     "kernel::light_groups" LIGHT_GROUP_SHIFT = 24;
+    /// Points of a light in view are chosen on it, to be seen from the lens.
+    "kernel::lights_in_view" POINTS_OF_FILM = 0;
+    /// They are chosen on it, to be seen through the point in focus.
+    "kernel::lights_in_view" POINTS_OF_LENS = 1;
+    /// They are chosen in the pixel.
+    "kernel::lights_in_view" POINTS_OF_PIXEL = 2;
+    /// How many these are per sample.
+    "kernel::lights_in_view" PIXEL_POINTS = crate::prepare::lights_in_view::PIXEL_POINTS;
+    /// A small light shines in all directions alike.
+    "kernel::near_misses" SMALL_BODY = 0;
+    /// It is planar.
+    "kernel::near_misses" SMALL_PLANAR = 1;
+    /// It is planar, and both sides shine.
+    "kernel::near_misses" SMALL_TWO_SIDED = 2;
+    /// It is infinitely far away.
+    "kernel::near_misses" SMALL_DISTANT = 3;
+    /// It has no extent.
+    "kernel::near_misses" SMALL_POINT = 4;
     /// Marks a reference to a light in the light tree.
     "light::tree" TREE_LEAF = crate::emitters::tree::TREE_LEAF;
     /// Cells of the pixel filter's table.

@@ -1,9 +1,11 @@
-//! Which small lights the camera sees: those that camera rays would meet by chance alone.
+//! Which lights are sampled where the camera sees them (`shaders/kernel/lights_in_view.wesl`).
 //!
 //! A light that covers the part p of a pixel, or of the lens as seen through the point in focus, is
 //! met by that part of the pixel's samples: the variance of what it adds is (1 − p)/p times the
-//! square of that, and an image without a hit does not show that anything is missing. Such a light
-//! is sampled instead (`shaders/kernel/lights_in_view.wesl`) in all pixels that may show it.
+//! square of that, and an image without a hit does not show that anything is missing. Of such lights
+//! points are chosen on the light. Larger lights are noisy where their edges cross pixels; as lights
+//! are brighter than what they light, that is most of the noise of many an image. There each sample
+//! has several points of the pixel.
 
 use super::SceneData;
 use crate::accel::PrimitiveGeometry;
@@ -15,19 +17,33 @@ use std::f64::consts::PI;
 
 /// Most lights that are sampled in view: those that matter most.
 pub const MAX_LIGHTS_IN_VIEW: usize = 16;
+/// Points of the pixel per sample.
+pub const PIXEL_POINTS: u32 = 64;
 
-/// Largest part of a pixel, or of its circle of confusion, that a light may cover: of a larger one
-/// chance finds the edges as well as sampling does.
+/// Largest part of a pixel, or of its circle of confusion, that a light may cover whose points are
+/// chosen on it: of a larger one chance finds the edges as well.
 const LARGEST_PART: f64 = 0.5;
-
+/// Largest part of the image's pixels that lights may cross with their edges for these to be
+/// sampled: a pixel has [`PIXEL_POINTS`] rays more there.
+const LARGEST_EDGES: f64 = 1.0 / 32.0;
 /// Half axes of an ellipsoid, longest over shortest, up to which rounding spares what is sampled of
 /// it.
 const FLATTEST: f64 = 100.0;
+/// Areas in normalised space below which f32 might not hold their squares.
+const SMALLEST_AREA: f64 = 1e-16;
 
-/// Areas in normalised space below which f32 might not hold them.
-const SMALLEST_AREA: f64 = 1e-32;
+/// How points of a light in view are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PointsInView {
+    /// On the light, to be seen from the lens, somewhere on the film.
+    OfFilm,
+    /// On the light, to be seen through the point in focus, from somewhere on the lens.
+    OfLens,
+    /// In the pixel, several of them.
+    OfPixel,
+}
 
-/// A small light that the camera sees.
+/// A light that is sampled in view of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightInView {
     /// Index of the light.
@@ -36,9 +52,8 @@ pub struct LightInView {
     pub low: DVec2,
     /// here, in pixels from the upper left corner.
     pub high: DVec2,
-    /// Whether its circle of confusion is larger than a pixel: points of the lens are chosen by it,
-    /// else points of the film.
-    pub out_of_focus: bool,
+    /// How its points are chosen.
+    pub points: PointsInView,
 }
 
 impl LightInView {
@@ -49,24 +64,26 @@ impl LightInView {
     }
 }
 
-/// The small lights among `emitters` that `camera` sees on a film of `size`, in the order of their
-/// indices: those that add most to the sum of the pixels' squares.
-///
-/// Cameras whose rays are parallel, or begin before the eye because that is far away, have none;
-/// nor have lights with an opacity, and very flat ellipsoids.
-pub fn lights_in_view(
+/// What a camera sees of lights.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct InView {
+    /// Those that are sampled there, in the order of their indices.
+    pub sampled: Vec<LightInView>,
+    /// Small ones that are left to chance.
+    pub left_to_chance: Vec<u32>,
+}
+
+/// The lights among `emitters` that `camera` sees on a film of `size`. Those are sampled that add
+/// most to the sum of the pixels' variances; lights with an opacity and very flat ellipsoids never.
+pub(super) fn lights_in_view(
     data: &SceneData,
     camera: &Camera,
     size: FilmSize,
     emitters: &Emitters,
-) -> Vec<LightInView> {
-    let distant = super::near_plane::is_distant(&data.normalization, camera);
-    if camera.is_orthographic() || distant {
-        return Vec::new();
-    }
-    let view = View::new(data.normalization.camera(camera), size, data);
+) -> InView {
+    let view = View::new(camera, size, data);
     let lights = (0..).zip(&emitters.lights);
-    let seen: Vec<Seen> = lights
+    let mut seen: Vec<Seen> = lights
         .filter_map(|(index, light)| view.sees(index, light, data))
         .collect();
     // The pieces of a mesh are one light.
@@ -74,43 +91,81 @@ pub fn lights_in_view(
     for seen in &seen {
         *parts.entry(seen.shape).or_default() += seen.part;
     }
-    let is_small = |seen: &Seen| match seen.shape {
-        Some(_) => parts[&seen.shape] <= LARGEST_PART,
-        None => seen.part <= LARGEST_PART,
-    };
-    let mut small: Vec<Seen> = seen.into_iter().filter(is_small).collect();
-    small.sort_by(|a, b| b.square.total_cmp(&a.square));
-    small.truncate(MAX_LIGHTS_IN_VIEW);
-    small.sort_by_key(|seen| seen.light.light);
-    small.into_iter().map(|seen| seen.light).collect()
+    for seen in &mut seen {
+        let part = seen.shape.map_or(seen.part, |_| parts[&seen.shape]);
+        seen.is_small = part <= LARGEST_PART;
+        if !seen.is_small {
+            seen.light.points = PointsInView::OfPixel;
+        } else if view.leaves_points_to_pixel {
+            seen.can_be_sampled = false;
+        }
+    }
+    seen.sort_by(|a, b| b.variance().total_cmp(&a.variance()));
+    let mut found = InView::default();
+    let mut edges = LARGEST_EDGES * size.pixels() as f64;
+    for seen in seen {
+        let rays = if seen.light.points == PointsInView::OfPixel {
+            seen.edges
+        } else {
+            0.0
+        };
+        if seen.can_be_sampled && found.sampled.len() < MAX_LIGHTS_IN_VIEW && rays <= edges {
+            edges -= rays;
+            found.sampled.push(seen.light);
+        } else if seen.is_small {
+            found.left_to_chance.push(seen.light.light);
+        }
+    }
+    found.sampled.sort_by_key(|seen| seen.light);
+    found
 }
 
 /// A light in view, and what decides whether it is sampled.
 struct Seen {
     light: LightInView,
+    /// Whether what is sampled of it would be right.
+    can_be_sampled: bool,
     /// Index of its shape; suns have none.
     shape: Option<u32>,
     /// The part of a pixel, or of its circle of confusion, that it covers.
     part: f64,
-    /// What it adds to the sum of the pixels' squares, in an arbitrary unit.
-    square: f64,
+    /// Whether that is little, with all of its shape.
+    is_small: bool,
+    /// Pixels that it covers.
+    pixels: f64,
+    /// Pixels that its edges cross.
+    edges: f64,
+    radiance: f64,
+}
+
+impl Seen {
+    /// What a sample of each pixel adds to the sum of their variances if chance finds it.
+    fn variance(&self) -> f64 {
+        self.radiance * self.radiance * self.pixels.min(self.edges)
+    }
 }
 
 /// What a camera sees, normalised space.
 struct View {
     camera: Camera,
-    /// Pixels per unit of the plane at distance 1.
+    /// Pixels per unit of the plane at distance 1, or where the camera is orthographic, of any.
     scale: f64,
     size: DVec2,
     /// How far from its middle a pixel's filter reaches, in pixels.
     reach: f64,
+    /// Whether points are never chosen on lights: of a camera whose rays are parallel, or begin
+    /// before the eye because that is far away.
+    leaves_points_to_pixel: bool,
 }
 
 impl View {
-    fn new(camera: Camera, size: FilmSize, data: &SceneData) -> Self {
+    fn new(camera: &Camera, size: FilmSize, data: &SceneData) -> Self {
+        let distant = super::near_plane::is_distant(&data.normalization, camera);
+        let camera = data.normalization.camera(camera);
         let height = f64::from(size.height);
         Self {
             scale: 0.5 * height / camera.half_height(),
+            leaves_points_to_pixel: camera.is_orthographic() || distant,
             camera,
             size: DVec2::new(f64::from(size.width), height),
             reach: data.scene.filter.radius,
@@ -131,75 +186,145 @@ impl View {
                 let opacity = data.attributes.of_primitive[primitive as usize].opacity;
                 // The back of a surface with one side emits nothing.
                 let back_alone = two_sided && !material.double_sided;
-                if opacity || back_alone || is_flat_ellipsoid(&of.geometry) {
-                    return None;
-                }
                 let (middle, radius) = bounding_sphere(&of.geometry);
                 let to_middle = middle - self.camera.eye;
-                let area = facing_area(&of.geometry, to_middle);
-                if area < SMALLEST_AREA {
-                    return None;
-                }
-                let solid_angle = area / to_middle.length_squared();
-                self.place(index, to_middle, radius, solid_angle, luminance(radiance))
-                    .map(|seen| Seen {
-                        shape: Some(of.shape.0),
-                        ..seen
-                    })
+                let direction = if self.camera.is_orthographic() {
+                    self.camera.forward
+                } else {
+                    to_middle.normalize()
+                };
+                let area = facing_area(&of.geometry, direction);
+                let corners = corners(&of.geometry).map(|c| c.map(|c| c - self.camera.eye));
+                let outline = Outline {
+                    to_middle,
+                    radius,
+                    corners,
+                };
+                let place = self.place(index, &outline, area, luminance(radiance))?;
+                Some(Seen {
+                    shape: Some(of.shape.0),
+                    can_be_sampled: !opacity
+                        && !back_alone
+                        && !is_flat_ellipsoid(&of.geometry)
+                        && area > SMALLEST_AREA,
+                    ..place
+                })
             }
             Emitter::Sun(sun) => {
                 let far = 1e6 * data.normalization.reach.max(self.camera.eye.length());
                 let radius = far * sun.angular_radius.tan();
-                let solid_angle = 4.0 * PI * (0.5 * sun.angular_radius).sin().powi(2);
+                let area = PI * radius * radius;
                 let radiance = luminance(sun.radiance());
-                self.place(index, -far * sun.direction, radius, solid_angle, radiance)
+                let outline = Outline {
+                    to_middle: -far * sun.direction,
+                    radius,
+                    corners: None,
+                };
+                self.place(index, &outline, area, radiance)
             }
             Emitter::Delta(_) | Emitter::Environment => None,
         }
     }
 
-    /// Where a light within the sphere of `radius` at `to_middle` from the eye lies on the film.
-    fn place(
-        &self,
-        light: u32,
-        to_middle: DVec3,
-        radius: f64,
-        solid_angle: f64,
-        radiance: f64,
-    ) -> Option<Seen> {
+    /// Where a light within `outline` lies on the film; `area` is what the eye sees of it, across the
+    /// line of sight.
+    fn place(&self, light: u32, outline: &Outline, area: f64, radiance: f64) -> Option<Seen> {
+        let Outline {
+            to_middle, radius, ..
+        } = *outline;
         let Camera {
             right, up, lens, ..
         } = self.camera;
         let depth = to_middle.dot(self.camera.forward);
         let nearest = depth - radius;
-        if solid_angle <= 0.0 || nearest <= radius + 2.0 * lens.radius {
+        let orthographic = self.camera.is_orthographic();
+        if area <= 0.0 || (!orthographic && nearest <= radius + 2.0 * lens.radius) {
             return None;
         }
-        let across = DVec2::new(to_middle.dot(right), -to_middle.dot(up)) / depth;
-        let stretch = 1.0 + across.length_squared();
-        let blur = |depth: f64| lens.radius * (1.0 / depth - 1.0 / lens.focus_distance).abs();
-        let largest_blur = blur(nearest).max(blur(depth + radius));
-        let extent = self.scale * (stretch * radius / nearest + largest_blur) + self.reach;
-        let middle = self.scale * across + 0.5 * self.size;
-        let (low, high) = (middle - extent, middle + extent);
+        let across = DVec2::new(to_middle.dot(right), -to_middle.dot(up));
+        // On the plane at distance 1: the point, how much larger a length is there, and an area.
+        let (across, length, squared) = if orthographic {
+            (across, 1.0, 1.0)
+        } else {
+            let across = across / depth;
+            let stretch = 1.0 + across.length_squared();
+            let solid_angle = 1.0 / to_middle.length_squared();
+            (across, stretch / nearest, solid_angle * stretch.powf(1.5))
+        };
+        let blur = |depth: f64| {
+            let of_depth = if orthographic { 1.0 } else { 1.0 / depth };
+            lens.radius * of_depth * (1.0 - depth / lens.focus_distance).abs()
+        };
+        let largest_blur = self.scale * blur(nearest).max(blur(depth + radius));
+        let extent = DVec2::splat(length * radius);
+        let (mut low, mut high) = (across - extent, across + extent);
+        if let Some(corners) = outline.corners {
+            let seen = corners.map(|c| {
+                let depth = if orthographic {
+                    1.0
+                } else {
+                    c.dot(self.camera.forward)
+                };
+                DVec2::new(c.dot(right), -c.dot(up)) / depth
+            });
+            low = seen.into_iter().fold(seen[0], DVec2::min);
+            high = seen.into_iter().fold(seen[0], DVec2::max);
+        }
+        let around = DVec2::splat(largest_blur + self.reach);
+        let low = self.scale * low + 0.5 * self.size - around;
+        let high = self.scale * high + 0.5 * self.size + around;
         if high.cmplt(DVec2::ZERO).any() || low.cmpgt(self.size).any() {
             return None;
         }
-        let pixels = self.scale * self.scale * solid_angle * stretch.powf(1.5);
+        let pixels = self.scale * self.scale * area * squared;
         let circle = PI * (self.scale * blur(depth)).powi(2);
         let out_of_focus = circle > 1.0 && (depth - lens.focus_distance).abs() > 2.0 * radius;
-        let spread = if out_of_focus { circle } else { 1.0 };
+        let shown = high.min(self.size) - low.max(DVec2::ZERO);
+        let edges = if lens.radius > 0.0 {
+            shown.x * shown.y
+        } else {
+            // Those that the circumference of a convex shape crosses, and those that it touches.
+            2.0 * (shown.x + shown.y) * (2.0 * self.reach).max(1.0)
+        };
         Some(Seen {
             light: LightInView {
                 light,
                 low,
                 high,
-                out_of_focus,
+                points: if out_of_focus {
+                    PointsInView::OfLens
+                } else {
+                    PointsInView::OfFilm
+                },
             },
             shape: None,
-            part: pixels / spread,
-            square: (pixels * radiance).powi(2) / spread,
+            can_be_sampled: true,
+            part: pixels / if out_of_focus { circle } else { 1.0 },
+            is_small: false,
+            pixels,
+            edges: edges.min(shown.x * shown.y),
+            radiance,
         })
+    }
+}
+
+/// What a light lies in, seen from the eye.
+struct Outline {
+    /// Middle of a sphere.
+    to_middle: DVec3,
+    radius: f64,
+    /// Corners of a shape that it lies in, where it is planar.
+    corners: Option<[DVec3; 4]>,
+}
+
+/// Corners of a triangle, or of a parallelogram around another planar one.
+fn corners(geometry: &PrimitiveGeometry) -> Option<[DVec3; 4]> {
+    match *geometry {
+        // The fourth is one of the three again.
+        PrimitiveGeometry::Triangle { a, u, v } => Some([a, a + u, a + v, a]),
+        PrimitiveGeometry::Rectangle { a, u, v } => Some([a, a + u, a + v, a + u + v]),
+        PrimitiveGeometry::Disk { a, u, v } => Some([a - u - v, a + u - v, a - u + v, a + u + v]),
+        PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => None,
     }
 }
 
@@ -213,15 +338,19 @@ fn is_flat_ellipsoid(geometry: &PrimitiveGeometry) -> bool {
 }
 
 /// Middle and radius of a sphere around it.
-fn bounding_sphere(geometry: &PrimitiveGeometry) -> (DVec3, f64) {
-    let (low, high) = geometry.bounds();
-    (0.5 * (low + high), 0.5 * (high - low).length())
+pub(super) fn bounding_sphere(geometry: &PrimitiveGeometry) -> (DVec3, f64) {
+    match *geometry {
+        PrimitiveGeometry::Sphere { center, radius } => (center, radius),
+        PrimitiveGeometry::Ellipsoid { center, radii, .. } => (center, radii.max_element()),
+        _ => {
+            let (low, high) = geometry.bounds();
+            (0.5 * (low + high), 0.5 * (high - low).length())
+        }
+    }
 }
 
-/// At most the area of what a viewer in the direction `to_middle` sees of it, across that
-/// direction.
-fn facing_area(geometry: &PrimitiveGeometry, to_middle: DVec3) -> f64 {
-    let direction = to_middle.normalize();
+/// At most the area of what a viewer sees of it in the unit direction `direction`, across that.
+fn facing_area(geometry: &PrimitiveGeometry, direction: DVec3) -> f64 {
     let facing = |u: DVec3, v: DVec3| u.cross(v).dot(direction).abs();
     match *geometry {
         PrimitiveGeometry::Triangle { u, v, .. } => 0.5 * facing(u, v),

@@ -4,14 +4,16 @@
 pub mod lights_in_view;
 pub mod near_plane;
 mod scene_data;
+pub mod small_lights;
 
 pub use scene_data::SceneData;
 
 use crate::accel;
 use crate::effects::{Effect, EffectQuery, Effects};
-use crate::emitters::Emitters;
+use crate::emitters::{Emitter, Emitters};
 use crate::scene::{Camera, FilmSize, RenderSettings, Sampler, Scene, ShadowGrid, ShadowPattern};
 use lights_in_view::{LightInView, lights_in_view};
+use small_lights::{SmallLight, small_lights};
 use std::sync::Arc;
 
 /// A scene made ready for one estimator: its lights, how they are chosen, and the effects that are
@@ -33,6 +35,8 @@ pub struct Prepared {
     pub light_boxes: Vec<[u32; 3]>,
     /// Small lights that the camera sees, which are sampled there.
     pub lights_in_view: Vec<LightInView>,
+    /// Small lights that camera rays meet by chance alone.
+    pub small_lights: Vec<SmallLight>,
     /// What is compiled in, and why.
     pub effects: Effects,
 }
@@ -68,7 +72,7 @@ impl Prepared {
         let emitting = emitters.primitives();
         let emitting = emitting.map(|index| primitives[index as usize].geometry.bounds());
         let light_boxes = accel::light_boxes(bvh, emitting.collect());
-        let lights_in_view = lights_in_view(data, &camera, film, &emitters);
+        let in_view = lights_in_view(data, &camera, film, &emitters);
         let effects = Effects::called_for(&EffectQuery {
             scene,
             camera: &camera,
@@ -76,7 +80,7 @@ impl Prepared {
             primitives,
             attributes,
             emitters: &emitters,
-            lights_in_view: &lights_in_view,
+            lights_in_view: &in_view.sampled,
         });
         let mut prepared = Self {
             data: Arc::clone(data),
@@ -85,10 +89,13 @@ impl Prepared {
             settings,
             emitters,
             light_boxes,
-            lights_in_view,
+            lights_in_view: in_view.sampled,
+            small_lights: Vec::new(),
             effects,
         };
         prepared.call_for_scale();
+        prepared.small_lights = small_lights(&prepared, &in_view.left_to_chance);
+        prepared.call_for_near_misses();
         prepared
     }
 
@@ -113,6 +120,27 @@ impl Prepared {
             self.effects.call_for(Effect::DistantCamera, || {
                 let ratio = near_plane / normalization.radius;
                 format!("the camera is {ratio:.1e} times as far away as what it sees is large")
+            });
+        }
+    }
+
+    /// Adds the effect that small lights call for which camera rays meet by chance.
+    fn call_for_near_misses(&mut self) {
+        if let Some(first) = self.small_lights.first() {
+            let name = match first
+                .light
+                .map(|index| self.emitters.lights[index as usize])
+            {
+                Some(Emitter::Area { primitive, .. }) => {
+                    let shape = self.data.primitives[primitive as usize].shape;
+                    self.data.scene.shapes[shape.index()].name.clone()
+                }
+                Some(Emitter::Delta(light)) => format!("a {} light", light.name()),
+                Some(_) => "a sun".to_owned(),
+                None => "the brightest texels of the environment".to_owned(),
+            };
+            self.effects.call_for(Effect::NearMisses, || {
+                format!("mirrors, glass, narrow lobes or pixels show {name} by chance")
             });
         }
     }

@@ -22,6 +22,11 @@ pub struct Pixel {
     pub second_mean: [f64; 3],
     /// Sum of squared deviations of the second replicate from its mean.
     pub second_m2: [f64; 3],
+    /// Sum over all samples of the squared radiance of light that they should have met, as near misses
+    /// of small lights tell; see `shaders/kernel/near_misses.wesl`.
+    pub expected_squares: f64,
+    /// How often they should have met light of small lights.
+    pub expected_hits: f64,
 }
 
 impl Pixel {
@@ -52,6 +57,10 @@ impl Pixel {
             (self.second_mean[c], self.second_m2[c]) = (channel.mean, channel.m2);
         }
         self.second_samples += u64::from(block.second_samples);
+        if block.expected_squares.is_finite() {
+            self.expected_squares += unit * unit * f64::from(block.expected_squares);
+            self.expected_hits += f64::from(block.expected_hits);
+        }
     }
 
     /// The moments of one channel.
@@ -148,14 +157,11 @@ impl Ledger {
             return;
         }
         self.dropped += u64::from(state.dropped);
-        let entries = [
-            (&mut self.first_nan, state.first_nan),
-            (&mut self.first_infinite, state.first_infinite),
-        ];
-        for (first, position) in entries {
-            if position == u32::MAX {
+        let firsts = [&mut self.first_nan, &mut self.first_infinite];
+        for (first, position) in firsts.into_iter().zip(state.first_bad()) {
+            let Some(position) = position else {
                 continue;
-            }
+            };
             let sample = block_start + u64::from(position);
             if first.is_none_or(|f| (sample, y, x) < (f.sample, f.y, f.x)) {
                 *first = Some(FirstBad { x, y, sample });
@@ -173,6 +179,8 @@ pub struct Film {
     pub sampler: Sampler,
     /// Radiance that the blocks which are merged have as 1: a power of two.
     pub unit: f64,
+    /// Small lights that camera rays are watched for nearly meeting; each pixel watches one.
+    pub small_lights: u32,
     /// Pixels, row by row from the top.
     pub pixels: Vec<Pixel>,
     /// What was dropped.
@@ -188,6 +196,7 @@ impl Film {
             size,
             sampler,
             unit: 1.0,
+            small_lights: 0,
             pixels: vec![Pixel::default(); size.pixels()],
             ledger: Ledger::default(),
             light_groups: Vec::new(),
@@ -207,6 +216,15 @@ impl Film {
     #[must_use]
     pub fn in_units_of(self, unit: f64) -> Self {
         Self { unit, ..self }
+    }
+
+    /// The same where pixels watch `small_lights`.
+    #[must_use]
+    pub fn watching(self, small_lights: u32) -> Self {
+        Self {
+            small_lights,
+            ..self
+        }
     }
 
     /// Adds a block of the pixel `index`: `groups` are its groups' means.
@@ -342,16 +360,15 @@ mod tests {
 
     #[test]
     fn the_ledger_keeps_the_first_of_each_kind() {
-        let bad = |first_nan, first_infinite| PixelState {
+        let bad = |first_nan: u32, first_infinite: u32| PixelState {
             dropped: 1,
-            first_nan,
-            first_infinite,
+            first_bad: first_infinite << 16 | first_nan,
             ..PixelState::default()
         };
         let mut ledger = Ledger::default();
-        ledger.enter(&bad(7, u32::MAX), 3, 4, 256);
-        ledger.enter(&bad(2, u32::MAX), 9, 1, 256);
-        ledger.enter(&bad(u32::MAX, 0), 5, 5, 512);
+        ledger.enter(&bad(7, 0xffff), 3, 4, 256);
+        ledger.enter(&bad(2, 0xffff), 9, 1, 256);
+        ledger.enter(&bad(0xffff, 0), 5, 5, 512);
         ledger.enter(&PixelState::default(), 0, 0, 0);
         assert_eq!(ledger.dropped, 3);
         let first = |x, y, sample| Some(FirstBad { x, y, sample });

@@ -153,6 +153,13 @@ pub struct FilterTable {
     pub cell_width: f32,
 }
 
+impl FilterTable {
+    /// How far samples lie from the pixel's middle at most, along each axis.
+    pub fn reach(&self) -> f64 {
+        FILTER_CELLS as f64 * f64::from(self.cell_width)
+    }
+}
+
 /// Makes the last value of the distribution function 1.
 fn close(mut knots: [[f32; 2]; FILTER_CELLS + 1]) -> [[f32; 2]; FILTER_CELLS + 1] {
     knots[FILTER_CELLS][0] = 1.0;

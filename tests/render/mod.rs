@@ -10,6 +10,7 @@ mod lens;
 mod light_groups;
 mod light_tree;
 mod lights_in_view;
+mod near_misses;
 mod one_pixel;
 mod opacity;
 mod pixel_filter;

@@ -1,17 +1,18 @@
-//! Small lights that the camera sees; see `shaders/kernel/lights_in_view.wesl`.
+//! Lights that are sampled in view of the camera; see `shaders/kernel/lights_in_view.wesl`.
 
+use super::camera::camera_ray;
 use super::direct::Direct;
-use super::filter::filter_density;
+use super::filter::{film_point, filter_density};
 use crate::accel::PrimitiveGeometry;
 use crate::emitters::Emitter;
-use crate::prepare::lights_in_view::LightInView;
+use crate::prepare::lights_in_view::{LightInView, PIXEL_POINTS, PointsInView};
 use crate::reference::broken::BrokenTwin;
 use crate::reference::core::frame::frame_from_normal;
 use crate::reference::core::pdf::PdfSolidAngle;
 use crate::reference::core::ray::Ray;
 use crate::reference::core::ray_ellipsoid::{ellipsoid_normal, intersect_ellipsoid};
 use crate::reference::core::rng::to_unit_2d;
-use crate::reference::core::sampler::{GROUP_LIGHTS_IN_VIEW, SampleId};
+use crate::reference::core::sampler::{GROUP_LIGHTS_IN_VIEW, SampleId, part_of_sample};
 use crate::reference::light::area_light::extent;
 use crate::reference::light::disk::sample_disk_area;
 use crate::reference::light::ellipsoid::Ellipsoid;
@@ -35,11 +36,29 @@ struct Patch {
     v: DVec3,
     /// Coordinates on it, uniform over its area.
     sample: fn(DVec2) -> DVec2,
+    /// Whether coordinates are of a point on it, or no farther away than an extent.
+    holds: fn(DVec2, DVec2) -> bool,
     /// Its area over that of the parallelogram u × v.
     share: f64,
 }
 
 impl Patch {
+    /// The parameter and the coordinates at which the ray from the point that sees it meets its plane
+    /// in the direction `w`.
+    fn coordinates(&self, w: DVec3) -> (f64, DVec2) {
+        let n = self.u.cross(self.v);
+        let t = n.dot(self.to_a) / n.dot(w);
+        let p = t * w - self.to_a;
+        let st = DVec2::new(p.cross(self.v).dot(n), self.u.cross(p).dot(n));
+        (t, st / n.length_squared())
+    }
+
+    /// Where that ray meets it.
+    fn meet(&self, w: DVec3) -> Option<DVec2> {
+        let (t, st) = self.coordinates(w);
+        (t > 0.0 && (self.holds)(st, DVec2::ZERO)).then_some(st)
+    }
+
     /// An ellipse around the point at `to_middle`.
     fn ellipse(to_middle: DVec3, u: DVec3, v: DVec3) -> Self {
         Self {
@@ -47,6 +66,7 @@ impl Patch {
             u,
             v,
             sample: sample_disk_area,
+            holds: |st, extent| st.length() <= 1.0 + extent.length(),
             share: PI,
         }
     }
@@ -68,6 +88,9 @@ impl Patch {
                 u,
                 v,
                 sample: |u| u,
+                holds: |st, extent| {
+                    (st + extent).min_element() >= 0.0 && (st - extent).max_element() <= 1.0
+                },
                 share: 1.0,
             },
             PrimitiveGeometry::Triangle { a, u, v } => Self {
@@ -75,6 +98,9 @@ impl Patch {
                 u,
                 v,
                 sample: sample_triangle_area,
+                holds: |st, extent| {
+                    (st + extent).min_element() >= 0.0 && st.x + st.y <= 1.0 + extent.x + extent.y
+                },
                 share: 0.5,
             },
             PrimitiveGeometry::Disk { a, u, v } => Self::ellipse(a - origin, u, v),
@@ -148,12 +174,50 @@ fn shown(
     Some((emitted_radiance(world, index, front, st), target))
 }
 
+/// A point of a light's patch as a sample of the pixel sees it.
+struct PointInView {
+    /// The point of the lens.
+    viewer: DVec3,
+    /// Unit direction from there, away from the camera.
+    direction: DVec3,
+    /// Its coordinates on the patch.
+    st: DVec2,
+    /// Factor on the radiance.
+    weight: f64,
+}
+
 impl Direct<'_> {
-    /// The small lights that pixel (x, y) may show.
+    /// The lights that are sampled in view of the camera in pixel (x, y).
     pub(super) fn lights_of_pixel(&self, x: u32, y: u32) -> Vec<(u32, LightInView)> {
         let lights = (0..).zip(&self.world.prepared.lights_in_view);
-        let near = lights.filter(|(_, light)| light.is_near(x, y));
+        let near =
+            lights.filter(|(_, light)| light.is_near(x, y) && self.is_sampled_in(light, x, y));
         near.map(|(i, light)| (i, *light)).collect()
+    }
+
+    /// Whether the light `seen` is to be sampled in pixel (x, y). A larger one is not where it covers
+    /// all of it, which camera rays see as well, nor where it lies beside it.
+    fn is_sampled_in(&self, seen: &LightInView, x: u32, y: u32) -> bool {
+        let lens = self.world.prepared.camera.lens.radius > 0.0;
+        if lens || seen.points != PointsInView::OfPixel {
+            return true;
+        }
+        let middle = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let reach = self.filter.reach();
+        let seen_at = |x: f64, y: f64| {
+            let film = middle + reach * DVec2::new(x, y);
+            let ray = camera_ray(&self.world, self.size, film, DVec2::splat(0.5));
+            let patch = Patch::of(&self.world, seen.light, ray.origin);
+            let (t, st) = patch.coordinates(ray.direction);
+            (t > 0.0 && (patch.holds)(st, DVec2::ZERO), st, patch)
+        };
+        let (_, center, patch) = seen_at(0.0, 0.0);
+        let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+        let corners = corners.map(|(x, y)| seen_at(x, y));
+        let extents = corners.iter().map(|(_, st, _)| (*st - center).abs());
+        let extent = extents.fold(DVec2::ZERO, DVec2::max);
+        let covered = corners.iter().all(|(met, ..)| *met);
+        !covered && (patch.holds)(center, extent)
     }
 
     /// What the light `seen`, number `i` of those in view, contributes to a sample of pixel (x, y)
@@ -165,56 +229,116 @@ impl Direct<'_> {
         (x, y): (u32, u32),
         camera_ray: &Ray,
     ) -> DVec3 {
-        let prepared = self.world.prepared;
-        let camera = prepared.data.normalization.camera(&prepared.camera);
-        let lens = camera.lens;
-        let in_focus = lens.focus_distance / camera_ray.direction.dot(camera.forward);
-        let through = if seen.out_of_focus {
-            camera_ray.origin + in_focus * camera_ray.direction
-        } else {
-            camera_ray.origin
-        };
-        let patch = Patch::of(&self.world, seen.light, through);
-        let [a, b, ..] = self.numbers.group(id, GROUP_LIGHTS_IN_VIEW.wrapping_add(i));
-        let st = (patch.sample)(to_unit_2d(a, b));
-        let d = patch.to_a + st.x * patch.u + st.y * patch.v;
-        let direction = d.normalize();
-        let axis = direction.dot(camera.forward);
-        let w = axis.signum() * direction;
-        let area = patch.share * patch.u.cross(patch.v).dot(direction).abs();
-        let pdf = PdfSolidAngle(d.length_squared() / area);
-        let pdf = BrokenTwin::density(self.broken, pdf);
-        let (viewer, density) = if seen.out_of_focus {
-            let viewer = through - w * (lens.focus_distance / axis.abs());
-            let on_lens = viewer.distance(camera.eye) <= lens.radius;
-            let per_area = lens.focus_distance.powi(2) / (PI * lens.radius.powi(2));
-            (viewer, if on_lens { per_area } else { 0.0 })
-        } else {
-            let pixel = DVec2::new(f64::from(x), f64::from(y));
-            let viewer = camera_ray.origin;
-            (
-                viewer,
-                self.density_on_film(&camera, w / axis, viewer, pixel),
-            )
-        };
-        let weight = density / (pdf.0 * axis.abs().powi(3));
-        let Some((radiance, target)) = shown(&self.world, seen.light, st, viewer, w) else {
+        let pixel = DVec2::new(f64::from(x), f64::from(y));
+        let first = PIXEL_POINTS * i;
+        if seen.points == PointsInView::OfPixel {
+            let points = 0..PIXEL_POINTS;
+            let seen_at = |n: u32| {
+                let part = part_of_sample(id, n, PIXEL_POINTS);
+                let point = self.point_of_pixel(seen.light, i, part, pixel);
+                point.map_or(DVec3::ZERO, |p| self.seen(seen.light, &p, id, first + n))
+            };
+            return points.map(seen_at).sum();
+        }
+        let point = self.point_of_light((i, seen), id, pixel, camera_ray);
+        self.seen(seen.light, &point, id, first)
+    }
+
+    /// What light `index` shows at `point`, unless something hides it from ray number `ray` to lights
+    /// in view.
+    fn seen(&self, index: u32, point: &PointInView, id: SampleId, ray: u32) -> DVec3 {
+        let PointInView {
+            viewer,
+            direction,
+            st,
+            weight,
+        } = *point;
+        let Some((radiance, target)) = shown(&self.world, index, st, viewer, direction) else {
             return DVec3::ZERO;
         };
         let contribution = weight * radiance;
         if contribution.max_element() <= 0.0 {
             return DVec3::ZERO;
         }
+        let crossings = Crossings::of_sample(id).of_ray(RAY_LIGHTS_IN_VIEW.wrapping_add(ray));
+        let crossings = BrokenTwin::crossings(self.broken, crossings);
         let ray = Ray {
             origin: viewer,
             direction: target - viewer,
         };
-        let crossings = Crossings::of_sample(id).of_ray(RAY_LIGHTS_IN_VIEW + i);
-        let crossings = BrokenTwin::crossings(self.broken, crossings);
         if any_hit(&self.world, &ray, crossings, 1.0) {
             return DVec3::ZERO;
         }
         contribution
+    }
+
+    /// The point of light `index` that sample `part` of the pixel sees.
+    fn point_of_pixel(
+        &self,
+        index: u32,
+        i: u32,
+        part: SampleId,
+        pixel: DVec2,
+    ) -> Option<PointInView> {
+        let words = self
+            .numbers
+            .group(part, GROUP_LIGHTS_IN_VIEW.wrapping_add(i));
+        let film = film_point(&self.filter, pixel, to_unit_2d(words[0], words[1]));
+        let lens = to_unit_2d(words[2], words[3]);
+        let ray = camera_ray(&self.world, self.size, film, lens);
+        let st = Patch::of(&self.world, index, ray.origin).meet(ray.direction)?;
+        let one = BrokenTwin::density(self.broken, PdfSolidAngle(1.0));
+        Some(PointInView {
+            viewer: ray.origin,
+            direction: ray.direction,
+            st,
+            weight: 1.0 / (f64::from(PIXEL_POINTS) * one.0),
+        })
+    }
+
+    /// A point that is chosen on the light.
+    fn point_of_light(
+        &self,
+        (i, seen): (u32, LightInView),
+        id: SampleId,
+        pixel: DVec2,
+        camera_ray: &Ray,
+    ) -> PointInView {
+        let prepared = self.world.prepared;
+        let camera = prepared.data.normalization.camera(&prepared.camera);
+        let (lens, by_lens) = (camera.lens, seen.points == PointsInView::OfLens);
+        let in_focus = lens.focus_distance / camera_ray.direction.dot(camera.forward);
+        let through = if by_lens {
+            camera_ray.origin + in_focus * camera_ray.direction
+        } else {
+            camera_ray.origin
+        };
+        let patch = Patch::of(&self.world, seen.light, through);
+        let group = GROUP_LIGHTS_IN_VIEW.wrapping_add(i);
+        let [a, b, ..] = self.numbers.group(id, group);
+        let st = (patch.sample)(to_unit_2d(a, b));
+        let d = patch.to_a + st.x * patch.u + st.y * patch.v;
+        let axis = d.normalize().dot(camera.forward);
+        let direction = axis.signum() * d.normalize();
+        let area = patch.share * patch.u.cross(patch.v).dot(direction).abs();
+        let pdf = PdfSolidAngle(d.length_squared() / area);
+        let pdf = BrokenTwin::density(self.broken, pdf);
+        let (viewer, density) = if by_lens {
+            let viewer = through - direction * (lens.focus_distance / axis.abs());
+            let on_lens = viewer.distance(camera.eye) <= lens.radius;
+            let per_area = lens.focus_distance.powi(2) / (PI * lens.radius.powi(2));
+            (viewer, if on_lens { per_area } else { 0.0 })
+        } else {
+            let viewer = camera_ray.origin;
+            let d = direction / axis.abs();
+            (viewer, self.density_on_film(&camera, d, viewer, pixel))
+        };
+        PointInView {
+            viewer,
+            direction,
+            st,
+            weight: density / (pdf.0 * axis.abs().powi(3)),
+        }
     }
 
     /// The filter of the pixel whose upper left corner is `pixel`, where the film shows what lies

@@ -10,8 +10,8 @@ use glam::DVec2;
 /// Number of a sample's first camera ray; that which follows the first specular surface is the
 /// next.
 pub const RAY_CAMERA: u32 = 0;
-/// Number of the ray to the first light in view.
-pub const RAY_LIGHTS_IN_VIEW: u32 = 96;
+/// Number of the first ray to lights in view.
+pub const RAY_LIGHTS_IN_VIEW: u32 = 0x2545_f491;
 /// Number of its BSDF-sampled ray.
 pub const RAY_BSDF: u32 = 127;
 /// Number of its first shadow ray, of the first light where every light has its own.

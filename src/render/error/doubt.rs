@@ -12,6 +12,8 @@ pub enum Doubt {
     FewPixels(f64),
     /// What it is divided by pixel by pixel is not known well enough.
     Denominators,
+    /// Small lights, which samples nearly met, should have added so many times as much.
+    MissedLight(f64),
 }
 
 impl fmt::Display for Doubt {
@@ -21,6 +23,10 @@ impl fmt::Display for Doubt {
             Self::FewPixels(pixels) => {
                 write!(f, "it is as uncertain as that of {pixels:.0} pixels")
             }
+            Self::MissedLight(times) => write!(
+                f,
+                "small lights that samples nearly met should add {times:.1} times as much"
+            ),
             Self::Denominators => f.write_str("pixels are too noisy to divide by"),
         }
     }

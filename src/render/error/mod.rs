@@ -19,6 +19,7 @@ mod chance;
 mod denominators;
 mod doubt;
 mod evidence;
+mod missed;
 mod relative;
 mod standard_error;
 
@@ -28,6 +29,7 @@ use crate::stats::interval::Interval;
 use chance::SquaredError;
 pub use doubt::Doubt;
 use evidence::Evidence;
+use missed::MissedLight;
 use relative::relative;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 pub use standard_error::tile_sums;
@@ -37,6 +39,9 @@ pub const CONFIDENCE: f64 = 0.95;
 /// What the upper end of an interval of 95 % confidence is at most, in multiples of the error, where
 /// the error counts as told.
 const TOLD: f64 = 2.5;
+/// What small lights may add at most, in multiples of the error that the image shows, where it counts
+/// as told.
+const MISSED: f64 = 1.5;
 
 /// An error that an image states, in one metric.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,17 +128,34 @@ impl Film {
         }
         let pixels = self.pixels.len() as f64;
         let of_mean = [1.0 / (3.0 * pixels * squared_mean); 3];
+        let missed = MissedLight::of(self);
         let nmse = SquaredError::of(&evidence, |_| of_mean).stated(confidence);
+        let nmse = nmse.beside(missed.sum(|_| of_mean[0]));
         if stop() {
             return None;
         }
-        let rel_mse = relative(self, &evidence, 0.01 * squared_mean, confidence)?;
+        let rel_mse = relative(self, &evidence, &missed, (0.01 * squared_mean, confidence))?;
         let finite = nmse.value.is_finite() && rel_mse.value.is_finite();
         (finite && !stop()).then_some(ImageError {
             nmse,
             rel_mse,
             confidence,
         })
+    }
+}
+
+impl StatedError {
+    /// The same where small lights should add `expected`, whether samples have met them or not.
+    fn beside(self, expected: f64) -> Self {
+        let times = expected / self.value.max(f64::MIN_POSITIVE);
+        if times < MISSED {
+            return self;
+        }
+        Self {
+            high: self.high + expected,
+            doubt: Some(Doubt::MissedLight(times)),
+            ..self
+        }
     }
 }
 

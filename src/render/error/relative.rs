@@ -4,6 +4,7 @@ use super::chance::SquaredError;
 use super::denominators::{smoothed, squared_truth};
 use super::doubt::Doubt;
 use super::evidence::Evidence;
+use super::missed::MissedLight;
 use super::{CONFIDENCE, StatedError, TOLD};
 use crate::render::film::{Film, Pixel};
 use crate::stats::interval::Interval;
@@ -23,8 +24,8 @@ use rayon::prelude::*;
 pub(super) fn relative(
     film: &Film,
     evidence: &Evidence,
-    floor: f64,
-    confidence: f64,
+    missed: &MissedLight,
+    (floor, confidence): (f64, f64),
 ) -> Option<StatedError> {
     let truth = squared_truth(film, evidence)?;
     let part = 1.0 / (3.0 * film.pixels.len() as f64);
@@ -65,12 +66,14 @@ pub(super) fn relative(
     } else {
         None
     };
-    Some(StatedError {
+    let weight = |i: usize| (0..3).map(|c| part / (3.0 * denominator(i, c))).sum();
+    let error = StatedError {
         value,
         low,
         high,
         doubt,
-    })
+    };
+    Some(error.beside(missed.sum(weight)))
 }
 
 /// The same with denominators that know nothing of the errors above them: each replicate's variance

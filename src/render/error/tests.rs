@@ -76,6 +76,8 @@ fn film(sampler: Sampler, mut replicates: impl FnMut(usize) -> [Replicate; 2]) -
             m2: m2(a.m2 + b.m2 + between),
             second_samples: HALF,
             second_mean: of(b.error),
+            expected_squares: 0.0,
+            expected_hits: 0.0,
             second_m2: m2(b.m2),
         };
     }
@@ -305,4 +307,40 @@ fn a_look_that_nobody_waits_for_ends_without_an_error() {
         assert_eq!(film.error_unless(stop), None, "stopped at question {asked}");
         assert_eq!(calls.get(), asked + 1);
     }
+}
+
+/// Small lights that an image should have met a few times, each time adding more than all of the
+/// error that it shows, are a reason for doubt; those that no such image meets are not, nor those
+/// that all do.
+#[test]
+fn light_that_should_have_been_met_is_a_doubt() {
+    let mut stream = Stream::new(11);
+    let mut doubt = |hits: f64| {
+        let mut film = normal_film(Sampler::Sobol, &mut stream);
+        film.small_lights = 1;
+        let n = film.pixels[0].samples as f64;
+        let shown: f64 = film
+            .variances()
+            .expect("two replicates")
+            .iter()
+            .flatten()
+            .sum();
+        let pixel = &mut film.pixels[300];
+        pixel.expected_hits = hits;
+        pixel.expected_squares = 10.0 * shown * n * n;
+        let nmse = film.error().expect("two replicates").nmse;
+        let of_others = normal_film(Sampler::Sobol, &mut stream);
+        let others = of_others.error().expect("two replicates").nmse;
+        assert_eq!(
+            nmse.doubt.is_some(),
+            nmse.high > 2.0 * others.high,
+            "{nmse:?}"
+        );
+        nmse.doubt
+    };
+    assert!(matches!(doubt(2.0), Some(Doubt::MissedLight(times)) if (5.0..20.0).contains(&times)));
+    // With a chance of one in ten to be met it lacks a tenth of what that would add.
+    assert_eq!(doubt(0.1), None);
+    assert_eq!(doubt(1e-4), None);
+    assert_eq!(doubt(1000.0), None);
 }

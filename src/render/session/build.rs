@@ -212,7 +212,8 @@ impl<'a> Session<'a> {
         let groups = self.film.light_groups.len();
         self.film = Film::new(self.film.size, self.film.sampler)
             .with_light_groups(groups)
-            .in_units_of(self.film.unit);
+            .in_units_of(self.film.unit)
+            .watching(self.film.small_lights);
         let was_shared_out = self.progress.allocation.is_some();
         self.progress = Progress::default();
         if was_shared_out {
@@ -238,6 +239,7 @@ fn new_film(prepared: &Prepared, size: FilmSize) -> Film {
     Film::new(size, prepared.settings.estimator.sampler)
         .with_light_groups(groups)
         .in_units_of(prepared.emitters.unit)
+        .watching(prepared.small_lights.len() as u32)
 }
 
 /// How long a dispatch should take where nobody says otherwise.

@@ -20,7 +20,7 @@ fn accumulated(blocks: &[Vec<[f32; 3]>]) -> Answers {
                }
                out_vec3f(0u, state.mean); out_vec3f(3u, state.m2);
                out_u32(6u, state.samples); out_u32(7u, state.dropped);
-               out_u32(8u, state.first_nan); out_u32(9u, state.first_infinite);
+               out_u32(8u, state.first_bad & 0xffffu); out_u32(9u, state.first_bad >> 16u);
                out_u32(10u, state.shadow_rays + state.bsdf_rays);
                out_vec3f(11u, state.second_mean); out_u32(14u, state.second_samples);
                out_vec3f(15u, state.second_m2);",
@@ -108,7 +108,7 @@ fn blocks_have_the_moments_of_their_samples() {
     let state: Vec<u32> = (6..11)
         .map(|word| answers.u32(word).next().unwrap())
         .collect();
-    assert_eq!(state, [BLOCK_SAMPLES, 0, u32::MAX, u32::MAX, 0]);
+    assert_eq!(state, [BLOCK_SAMPLES, 0, 0xffff, 0xffff, 0]);
 }
 
 /// HARD CASES A3: mean 100, standard deviation 0.01; E\[x²\] − E\[x\]² would be −7.5.
@@ -157,7 +157,7 @@ fn samples_that_are_no_numbers_are_dropped_and_entered() {
     let (nan, inf) = (f32::NAN, f32::INFINITY);
     // A negative NaN and a signalling one.
     let (negative, signalling) = (f32::from_bits(0xffc0_0001), f32::from_bits(0x7f80_0001));
-    let none = u32::MAX;
+    let none = 0xffff;
     let cases = [
         (with(&[(0, 0, nan)]), [255, 1, 0, none]),
         (with(&[(255, 2, inf)]), [255, 1, none, 255]),

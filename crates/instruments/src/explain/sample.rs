@@ -3,7 +3,6 @@
 use direkt::low_level::effects::Effect;
 use direkt::low_level::emitters::Emitter;
 use direkt::low_level::prepare::Prepared;
-use direkt::low_level::reference::core::sampler::GROUP_LIGHTS_IN_VIEW;
 use serde::Serialize;
 
 /// Rays of one sample.
@@ -60,7 +59,8 @@ impl RandomNumbers {
     }
 }
 
-/// The random numbers that one sample of `prepared` uses, where it meets a surface.
+/// The random numbers that one sample of `prepared` uses, where it meets a surface; those for mirrors
+/// and glass before it, and for lights that are sampled in view, come on top.
 pub fn random_numbers(prepared: &Prepared) -> Vec<RandomNumbers> {
     let calls_for = |effect| prepared.effects.contains(effect);
     let mut numbers = Vec::new();
@@ -76,9 +76,6 @@ pub fn random_numbers(prepared: &Prepared) -> Vec<RandomNumbers> {
     };
     add(true, "film", 0, 2, 1);
     add(calls_for(Effect::DepthOfField), "lens", 2, 2, 1);
-    let in_view = prepared.lights_in_view.len() as u32;
-    let first = GROUP_LIGHTS_IN_VIEW.wrapping_mul(4);
-    add(in_view > 0, "light in view", first, 2, in_view);
     let lights = calls_for(Effect::SampleLights);
     let extended = points(prepared);
     let fixed = calls_for(Effect::CenterPattern) || calls_for(Effect::GridPattern);
