@@ -206,9 +206,8 @@ effects! {
     DistantCamera "DISTANT_CAMERA" "distant-camera" Simulation |_| None;
     /// Pixels that show something else than their own squares.
     PixelFilter "PIXEL_FILTER" "pixel-filter" Simulation |r| r.pixel_filter();
-    /// Lights much smaller than a pixel or than their circle of confusion, which the camera sees:
-    /// they are sampled there.
-    LightsInView "LIGHTS_IN_VIEW" "lights-in-view" Sampling |r| r.lights_in_view();
+    /// Lights that the camera sees: small ones and the edges of larger ones are sampled there.
+    LightsInView "LIGHTS_IN_VIEW" "lights-in-view" Sampling |_| None;
     /// Lights that camera rays meet by chance alone, in mirrors and glass for the most part, but which
     /// they nearly meet more often.
     NearMisses "NEAR_MISSES" "near-misses" Simulation |_| None;

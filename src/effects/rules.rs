@@ -3,7 +3,6 @@
 use super::{Effect, Effects};
 use crate::accel::{Attributed, Attributes, Primitive, PrimitiveGeometry};
 use crate::emitters::{Emitter, Emitters, Selection};
-use crate::prepare::lights_in_view::LightInView;
 use crate::scene::environment::Interpolation;
 use crate::scene::material::Fresnel;
 use crate::scene::settings::{DirectionSampling, Heuristic, Techniques};
@@ -82,8 +81,6 @@ pub struct EffectQuery<'a> {
     pub attributes: &'a Attributes,
     /// Its lights.
     pub emitters: &'a Emitters,
-    /// Small lights that the camera sees.
-    pub lights_in_view: &'a [LightInView],
 }
 
 /// A query, and the effects that were found to be called for so far.
@@ -382,19 +379,6 @@ impl Rules<'_> {
     pub(super) fn depth_of_field(&self) -> Option<String> {
         let radius = self.camera.lens.radius;
         (radius > 0.0).then(|| format!("camera.lens_radius = {radius}"))
-    }
-
-    /// The first small light that the camera sees, and how many there are.
-    pub(super) fn lights_in_view(&self) -> Option<String> {
-        let first = self.lights_in_view.first()?;
-        let name = match self.emitters.lights[first.light as usize] {
-            Emitter::Area { primitive, .. } => self.name_of(&self.primitives[primitive as usize]),
-            _ => "a sun".to_owned(),
-        };
-        Some(match self.lights_in_view.len() {
-            1 => name,
-            lights => format!("{name} and {} more", lights - 1),
-        })
     }
 
     pub(super) fn orthographic(&self) -> Option<String> {

@@ -80,7 +80,6 @@ impl Prepared {
             primitives,
             attributes,
             emitters: &emitters,
-            lights_in_view: &in_view.sampled,
         });
         let mut prepared = Self {
             data: Arc::clone(data),
@@ -95,7 +94,7 @@ impl Prepared {
         };
         prepared.call_for_scale();
         prepared.small_lights = small_lights(&prepared, &in_view.left_to_chance);
-        prepared.call_for_near_misses();
+        prepared.call_for_lights();
         prepared
     }
 
@@ -124,24 +123,35 @@ impl Prepared {
         }
     }
 
-    /// Adds the effect that small lights call for which camera rays meet by chance.
-    fn call_for_near_misses(&mut self) {
-        if let Some(first) = self.small_lights.first() {
-            let name = match first
-                .light
-                .map(|index| self.emitters.lights[index as usize])
-            {
-                Some(Emitter::Area { primitive, .. }) => {
-                    let shape = self.data.primitives[primitive as usize].shape;
-                    self.data.scene.shapes[shape.index()].name.clone()
-                }
-                Some(Emitter::Delta(light)) => format!("a {} light", light.name()),
-                Some(_) => "a sun".to_owned(),
-                None => "the brightest texels of the environment".to_owned(),
+    /// Adds the effects that lights call for which the camera sees, or samples meet by chance.
+    fn call_for_lights(&mut self) {
+        if let Some(first) = self.lights_in_view.first() {
+            let name = self.name_of_light(first.light);
+            let reason = match self.lights_in_view.len() {
+                1 => name,
+                lights => format!("{name} and {} more", lights - 1),
             };
+            self.effects.call_for(Effect::LightsInView, || reason);
+        }
+        if let Some(first) = self.small_lights.first() {
+            let name = first.light.map_or_else(
+                || "the brightest texels of the environment".to_owned(),
+                |light| self.name_of_light(light),
+            );
             self.effects.call_for(Effect::NearMisses, || {
                 format!("mirrors, glass, narrow lobes or pixels show {name} by chance")
             });
+        }
+    }
+
+    fn name_of_light(&self, index: u32) -> String {
+        match self.emitters.lights[index as usize] {
+            Emitter::Area { primitive, .. } => {
+                let shape = self.data.primitives[primitive as usize].shape;
+                self.data.scene.shapes[shape.index()].name.clone()
+            }
+            Emitter::Delta(light) => format!("a {} light", light.name()),
+            _ => "a sun".to_owned(),
         }
     }
 

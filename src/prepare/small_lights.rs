@@ -6,7 +6,6 @@ use super::lights_in_view::bounding_sphere;
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
 use crate::emitters::{Emitter, row_height, texel_luminance};
-use crate::reference::light::environment::direction_from_map;
 use crate::scene::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -244,8 +243,9 @@ fn bright_texels(environment: &Environment) -> Vec<SmallLight> {
                 continue;
             }
             let radiance = environment.scale * DVec3::from(texel.map(f64::from));
-            let depth = 1.0 - (PI * (row as f64 + 0.5) / rows).cos();
-            let direction = direction_from_map((column as f64 + 0.5) / columns, depth, false);
+            let (sin, cos) = (PI * (row as f64 + 0.5) / rows).sin_cos();
+            let azimuth = TAU * (column as f64 + 0.5) / columns;
+            let direction = DVec3::new(-azimuth.sin() * sin, cos, azimuth.cos() * sin);
             let solid_angle = TAU / columns * row_height(row);
             bright.push(SmallLight {
                 light: None,
