@@ -72,7 +72,6 @@ impl Prepared {
         let emitting = emitters.primitives();
         let emitting = emitting.map(|index| primitives[index as usize].geometry.bounds());
         let light_boxes = accel::light_boxes(bvh, emitting.collect());
-        let in_view = lights_in_view(data, &camera, film, &emitters);
         let effects = Effects::called_for(&EffectQuery {
             scene,
             camera: &camera,
@@ -88,17 +87,34 @@ impl Prepared {
             settings,
             emitters,
             light_boxes,
-            lights_in_view: in_view.sampled,
+            lights_in_view: Vec::new(),
             small_lights: Vec::new(),
             effects,
         };
         prepared.call_for_scale();
-        prepared.small_lights = small_lights(&prepared, &in_view.left_to_chance);
+        prepared.look_from(camera, film);
         prepared.call_for_lights();
         prepared
     }
 
-    /// The same where camera rays find small lights in view by chance alone.
+    /// Takes another camera, which calls for the same normalisation, and another size of the image.
+    /// Effects stay: see [`Prepared::has_effects_for_lights`].
+    pub fn look_from(&mut self, camera: Camera, film: FilmSize) {
+        (self.camera, self.film) = (camera, film);
+        let in_view = lights_in_view(&self.data, &camera, film, &self.emitters);
+        self.lights_in_view = in_view.sampled;
+        self.small_lights = small_lights(self, &in_view.left_to_chance);
+    }
+
+    /// Whether the effects are among its own that lights call for which the camera sees, or samples
+    /// meet by chance.
+    pub fn has_effects_for_lights(&self) -> bool {
+        let has = |effect| self.effects.contains(effect);
+        (self.lights_in_view.is_empty() || has(Effect::LightsInView))
+            && (self.small_lights.is_empty() || has(Effect::NearMisses))
+    }
+
+    /// The same where camera rays find lights in view by chance alone.
     #[must_use]
     pub fn with_lights_in_view_by_chance(mut self) -> Self {
         self.lights_in_view.clear();

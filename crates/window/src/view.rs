@@ -142,6 +142,15 @@ impl<'a> View<'a> {
         *self.method == *method
             && kind(&self.camera) == kind(&request.camera)
             && self.data_for(request).is_some()
+            && (request.moving || self.samples_lights_of(request))
+    }
+
+    /// Whether it samples the lights that the camera of `request` sees. While that moves, it may leave
+    /// them to chance.
+    fn samples_lights_of(&self, request: &RenderRequest) -> bool {
+        let mut prepared = self.prepared.clone();
+        prepared.look_from(request.camera, request.film);
+        prepared.has_effects_for_lights()
     }
 
     /// The scene of `request`, where this view has it, scaled for the request's camera.
@@ -182,8 +191,7 @@ impl<'a> View<'a> {
         } else {
             request.film
         };
-        self.prepared.camera = request.camera;
-        self.prepared.film = film;
+        self.prepared.look_from(request.camera, film);
         self.session.reframe(&self.prepared, film)?;
         self.session.set_dispatch_time(FIRST_DISPATCH);
         (self.seconds, self.shown_seconds, self.shown_samples) = (0.0, 0.0, 0);

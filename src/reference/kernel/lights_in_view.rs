@@ -8,6 +8,7 @@ use crate::emitters::Emitter;
 use crate::prepare::lights_in_view::{LightInView, PIXEL_POINTS, PointsInView};
 use crate::reference::broken::BrokenTwin;
 use crate::reference::core::frame::frame_from_normal;
+use crate::reference::core::math::max_abs;
 use crate::reference::core::pdf::PdfSolidAngle;
 use crate::reference::core::ray::Ray;
 use crate::reference::core::ray_ellipsoid::{ellipsoid_normal, intersect_ellipsoid};
@@ -170,7 +171,8 @@ fn shown(
     };
     let front = normal.dot(w) <= 0.0;
     let towards_viewer = if front { normal } else { -normal };
-    let target = point + towards_viewer * (extent(&geometry) * OFFSET);
+    let extent = extent(&geometry) + max_abs(viewer);
+    let target = point + towards_viewer * (extent * OFFSET);
     Some((emitted_radiance(world, index, front, st), target))
 }
 

@@ -199,6 +199,7 @@ impl<'a> Session<'a> {
     pub fn reframe(&mut self, prepared: &Prepared, film: FilmSize) -> Result<(), GpuError> {
         self.frame_data = frame_of(prepared, film, self.frame_data.seed);
         self.write_frame()?;
+        self.film.small_lights = prepared.small_lights.len() as u32;
         if film != self.film.size {
             self.film = new_film(prepared, film);
             self.progress = Progress::default();
