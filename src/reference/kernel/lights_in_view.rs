@@ -16,7 +16,7 @@ use crate::reference::core::rng::to_unit_2d;
 use crate::reference::core::sampler::{GROUP_LIGHTS_IN_VIEW, SampleId, part_of_sample};
 use crate::reference::light::area_light::extent;
 use crate::reference::light::disk::sample_disk_area;
-use crate::reference::light::ellipsoid::Ellipsoid;
+use crate::reference::light::ellipsoid::{Ellipsoid, conjugate_axes};
 use crate::reference::light::light::emitted_radiance;
 use crate::reference::light::sample::FAR;
 use crate::reference::light::sun::sun_radiance;
@@ -26,7 +26,7 @@ use crate::reference::scene::opacity::{Crossings, RAY_LIGHTS_IN_VIEW};
 use crate::reference::scene::surface::OFFSET;
 use crate::reference::scene::trace::any_hit;
 use crate::scene::Camera;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// A flat piece that a point sees where it sees the light.
@@ -105,29 +105,24 @@ impl Patch {
                 share: 0.5,
             },
             PrimitiveGeometry::Disk { a, u, v } => Self::ellipse(a - origin, u, v),
-            PrimitiveGeometry::Sphere { center, radius } => {
-                around_body(center, DMat3::from_diagonal(DVec3::splat(radius)), origin)
-            }
-            geometry @ PrimitiveGeometry::Ellipsoid { .. } => {
-                let body = Ellipsoid::of(&geometry).expect("the geometry is an ellipsoid");
-                around_body(body.center, body.axes, origin)
+            geometry @ (PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. }) => {
+                around(
+                    &Ellipsoid::or_sphere(&geometry).expect("it is a body"),
+                    origin,
+                )
             }
         }
     }
 }
 
-/// The ellipse in which the cone around the body center + axes·p, |p| ≤ 1, as `origin` sees it,
-/// cuts the plane through its centre across the way there, in the space of p.
-fn around_body(center: DVec3, axes: DMat3, origin: DVec3) -> Patch {
-    let to_origin = axes.inverse() * (origin - center);
+/// The ellipse in which the cone around `body`, as `origin` sees it, cuts the plane through its centre
+/// across the way there, in the space in which it is the unit sphere.
+fn around(body: &Ellipsoid, origin: DVec3) -> Patch {
+    let to_origin = body.axes.inverse() * (origin - body.center);
     let distance = to_origin.length();
-    let around = frame_from_normal(to_origin / distance);
     let radius = distance / (distance * distance - 1.0).sqrt();
-    Patch::ellipse(
-        center - origin,
-        axes * (radius * around.x),
-        axes * (radius * around.y),
-    )
+    let [u, v] = conjugate_axes(body, to_origin);
+    Patch::ellipse(body.center - origin, radius * u, radius * v)
 }
 
 /// What light `index` shows on the line from `viewer` in the unit direction `w`, which passes
@@ -158,13 +153,8 @@ fn shown(
         PrimitiveGeometry::Triangle { a, u, v }
         | PrimitiveGeometry::Rectangle { a, u, v }
         | PrimitiveGeometry::Disk { a, u, v } => (a + st.x * u + st.y * v, u.cross(v).normalize()),
-        PrimitiveGeometry::Sphere { center, radius } => {
-            let axes = DMat3::from_diagonal(DVec3::splat(radius));
-            let ((_, p), _) = intersect_ellipsoid(&ray, center, axes)?;
-            (center + radius * p, p)
-        }
-        PrimitiveGeometry::Ellipsoid { .. } => {
-            let body = Ellipsoid::of(&geometry)?;
+        PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => {
+            let body = Ellipsoid::or_sphere(&geometry)?;
             let ((_, p), _) = intersect_ellipsoid(&ray, body.center, body.axes)?;
             (body.point(p), ellipsoid_normal(body.axes, p))
         }

@@ -41,6 +41,18 @@ impl Ellipsoid {
         })
     }
 
+    /// That of `geometry`, a sphere as well; `None` of a planar one.
+    pub fn or_sphere(geometry: &PrimitiveGeometry) -> Option<Self> {
+        match *geometry {
+            PrimitiveGeometry::Sphere { center, radius } => Some(Self {
+                center,
+                axes: DMat3::from_diagonal(DVec3::splat(radius)),
+                longest: radius,
+            }),
+            _ => Self::of(geometry),
+        }
+    }
+
     /// Size of its coordinates.
     pub fn extent(&self) -> f64 {
         max_abs(self.center) + self.longest
@@ -118,7 +130,7 @@ pub fn view_ellipsoid(ellipsoid: Ellipsoid, x: DVec3) -> EllipsoidView {
 
 /// Images of two orthogonal unit vectors across the sphere's direction: conjugate half axes of the
 /// ellipsoid's section through its centre parallel to its outline.
-fn conjugate_axes(e: &Ellipsoid, to_center: DVec3) -> [DVec3; 2] {
+pub fn conjugate_axes(e: &Ellipsoid, to_center: DVec3) -> [DVec3; 2] {
     let frame = frame_from_normal(to_center.normalize_or(DVec3::Z));
     [e.axes * frame.x, e.axes * frame.y]
 }

@@ -173,7 +173,7 @@ fn suns_shine_where_they_are() {
     let world = World::new(&prepared);
     let function = Function {
         imports: IMPORTS,
-        body: "out_vec3f(0u, suns_radiance(in_vec3f(0u), false));",
+        body: "out_vec3f(0u, suns_radiance(in_vec3f(0u), 0u));",
         inputs: 3,
         outputs: 3,
         features: &[],
