@@ -70,11 +70,31 @@ impl PrimitiveGeometry {
     /// Surface area.
     pub fn area(&self) -> f64 {
         match *self {
-            Self::Triangle { u, v, .. } => 0.5 * u.cross(v).length(),
-            Self::Rectangle { u, v, .. } => u.cross(v).length(),
-            Self::Disk { u, v, .. } => std::f64::consts::PI * u.cross(v).length(),
             Self::Sphere { radius, .. } => 4.0 * std::f64::consts::PI * radius * radius,
             Self::Ellipsoid { radii, .. } => ellipsoid::surface(radii),
+            _ => self.vector_area().map_or(0.0, DVec3::length),
+        }
+    }
+
+    /// Its normal times its area; `None` where it is not planar.
+    pub fn vector_area(&self) -> Option<DVec3> {
+        match *self {
+            Self::Triangle { u, v, .. } => Some(0.5 * u.cross(v)),
+            Self::Rectangle { u, v, .. } => Some(u.cross(v)),
+            Self::Disk { u, v, .. } => Some(std::f64::consts::PI * u.cross(v)),
+            Self::Sphere { .. } | Self::Ellipsoid { .. } => None,
+        }
+    }
+
+    /// Middle and radius of a sphere around it.
+    pub fn bounding_sphere(&self) -> (DVec3, f64) {
+        match *self {
+            Self::Sphere { center, radius } => (center, radius),
+            Self::Ellipsoid { center, radii, .. } => (center, radii.max_element()),
+            Self::Triangle { .. } | Self::Rectangle { .. } | Self::Disk { .. } => {
+                let (low, high) = self.bounds();
+                (0.5 * (low + high), 0.5 * (high - low).length())
+            }
         }
     }
 

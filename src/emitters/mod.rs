@@ -17,8 +17,8 @@ pub use tree::LightTree;
 use crate::accel::Primitive;
 use crate::scene::normalize::Normalization;
 use crate::scene::{
-    Emission, Environment, EnvironmentRadiance, EstimatorSettings, Light, LightSelection,
-    RenderSettings, Scene, SunLight,
+    Emission, Environment, EnvironmentMap, EnvironmentRadiance, EstimatorSettings, Light,
+    LightSelection, RenderSettings, Scene, SunLight,
 };
 use emission_map::{Varies, of_primitives};
 use glam::DVec3;
@@ -312,8 +312,7 @@ fn tree_over(
                 map,
             } => {
                 let geometry = &primitives[*primitive as usize].geometry;
-                let mean = map.map_or(DVec3::ONE, |map| maps[map as usize].mean);
-                let radiance = luminance(*radiance * mean);
+                let radiance = luminance(*radiance * mean_emission(*map, maps));
                 Some(TreeLight::area(index, geometry, radiance, *two_sided))
             }
             Emitter::Delta(light) => TreeLight::delta(index, light),
@@ -347,21 +346,26 @@ fn part_that_arrives(nearest: Option<DVec3>, radius: f64) -> f64 {
 fn environment_power(environment: &Environment, radius: f64) -> f64 {
     let mean = match &environment.radiance {
         EnvironmentRadiance::Constant(radiance) => luminance(*radiance),
-        EnvironmentRadiance::Map(map) => {
-            let height = f64::from(map.height);
-            let width = map.width as usize;
-            let rows = map
-                .texels
-                .chunks_exact(width)
-                .enumerate()
-                .map(|(row, texels)| {
-                    let sum: f64 = texels.iter().map(|t| texel_luminance(*t)).sum();
-                    0.5 * row_height(row as f64, height) * sum / width as f64
-                });
-            rows.sum()
-        }
+        EnvironmentRadiance::Map(map) => luminance_over_sphere(map),
     };
     4.0 * PI * PI * radius * radius * mean * environment.scale
+}
+
+/// Mean luminance of a map over the sphere, each texel by its own solid angle.
+pub fn luminance_over_sphere(map: &EnvironmentMap) -> f64 {
+    let height = f64::from(map.height);
+    let width = map.width as usize;
+    let rows = map.texels.chunks_exact(width).enumerate();
+    let rows = rows.map(|(row, texels)| {
+        let sum: f64 = texels.iter().map(|t| texel_luminance(*t)).sum();
+        0.5 * row_height(row as f64, height) * sum / width as f64
+    });
+    rows.sum()
+}
+
+/// Mean factor of the emission map `map` of a light, of `maps`, on its radiance; 1 without one.
+pub fn mean_emission(map: Option<u32>, maps: &[EmissionMap]) -> DVec3 {
+    map.map_or(DVec3::ONE, |map| maps[map as usize].mean)
 }
 
 /// Luminance of a texel.

@@ -86,33 +86,30 @@ pub(super) fn lights_in_view(
     let mut seen: Vec<Seen> = lights
         .filter_map(|(index, light)| view.sees(index, light, data))
         .collect();
-    // The pieces of a mesh are one light.
-    let mut parts: BTreeMap<Option<u32>, f64> = BTreeMap::new();
-    for seen in &seen {
-        *parts.entry(seen.shape).or_default() += seen.part;
-    }
-    for seen in &mut seen {
-        let part = seen.shape.map_or(seen.part, |_| parts[&seen.shape]);
-        seen.is_small = part <= LARGEST_PART;
-        if !seen.is_small {
-            seen.light.points = PointsInView::OfPixel;
-        } else if view.leaves_points_to_pixel {
-            seen.can_be_sampled = false;
-        }
-    }
     seen.sort_by(|a, b| b.variance().total_cmp(&a.variance()));
+    // The pieces of a mesh are one light.
+    let mut parts: BTreeMap<u32, f64> = BTreeMap::new();
+    for (shape, part) in seen
+        .iter()
+        .filter_map(|seen| Some((seen.shape?, seen.part)))
+    {
+        *parts.entry(shape).or_default() += part;
+    }
     let mut found = InView::default();
-    let mut edges = LARGEST_EDGES * size.pixels() as f64;
-    for seen in seen {
-        let rays = if seen.light.points == PointsInView::OfPixel {
-            seen.edges
-        } else {
-            0.0
-        };
-        if seen.can_be_sampled && found.sampled.len() < MAX_LIGHTS_IN_VIEW && rays <= edges {
-            edges -= rays;
+    let mut edges_left = LARGEST_EDGES * size.pixels() as f64;
+    for mut seen in seen {
+        let is_small = seen.shape.map_or(seen.part, |shape| parts[&shape]) <= LARGEST_PART;
+        let mut edges = 0.0;
+        if !is_small {
+            seen.light.points = PointsInView::OfPixel;
+            edges = seen.edges;
+        }
+        let can_be_sampled = seen.can_be_sampled && !(is_small && view.leaves_small_lights);
+        let has_room = found.sampled.len() < MAX_LIGHTS_IN_VIEW && edges <= edges_left;
+        if can_be_sampled && has_room {
+            edges_left -= edges;
             found.sampled.push(seen.light);
-        } else if seen.is_small {
+        } else if is_small {
             found.left_to_chance.push(seen.light.light);
         }
     }
@@ -129,8 +126,6 @@ struct Seen {
     shape: Option<u32>,
     /// The part of a pixel, or of its circle of confusion, that it covers.
     part: f64,
-    /// Whether that is little, with all of its shape.
-    is_small: bool,
     /// Pixels that it covers.
     pixels: f64,
     /// Pixels that its edges cross.
@@ -153,9 +148,9 @@ struct View {
     size: DVec2,
     /// How far from its middle a pixel's filter reaches, in pixels.
     reach: f64,
-    /// Whether points are never chosen on lights: of a camera whose rays are parallel, or begin
-    /// before the eye because that is far away.
-    leaves_points_to_pixel: bool,
+    /// Whether small lights are left to chance: of a camera whose rays are parallel, or begin before
+    /// the eye because that is far away.
+    leaves_small_lights: bool,
 }
 
 impl View {
@@ -165,7 +160,7 @@ impl View {
         let height = f64::from(size.height);
         Self {
             scale: 0.5 * height / camera.half_height(),
-            leaves_points_to_pixel: camera.is_orthographic() || distant,
+            leaves_small_lights: camera.is_orthographic() || distant,
             camera,
             size: DVec2::new(f64::from(size.width), height),
             reach: data.scene.filter.radius,
@@ -186,7 +181,7 @@ impl View {
                 let opacity = data.attributes.of_primitive[primitive as usize].opacity;
                 // The back of a surface with one side emits nothing.
                 let back_alone = two_sided && !material.double_sided;
-                let (middle, radius) = bounding_sphere(&of.geometry);
+                let (middle, radius) = of.geometry.bounding_sphere();
                 let to_middle = middle - self.camera.eye;
                 let direction = if self.camera.is_orthographic() {
                     self.camera.forward
@@ -232,52 +227,19 @@ impl View {
         let Outline {
             to_middle, radius, ..
         } = *outline;
-        let Camera {
-            right, up, lens, ..
-        } = self.camera;
+        let lens = self.camera.lens;
         let depth = to_middle.dot(self.camera.forward);
-        let nearest = depth - radius;
-        let orthographic = self.camera.is_orthographic();
-        if area <= 0.0 || (!orthographic && nearest <= radius + 2.0 * lens.radius) {
+        let behind = depth - radius <= radius + 2.0 * lens.radius;
+        if area <= 0.0 || (behind && !self.camera.is_orthographic()) {
             return None;
         }
-        let across = DVec2::new(to_middle.dot(right), -to_middle.dot(up));
-        // On the plane at distance 1: the point, how much larger a length is there, and an area.
-        let (across, length, squared) = if orthographic {
-            (across, 1.0, 1.0)
-        } else {
-            let across = across / depth;
-            let stretch = 1.0 + across.length_squared();
-            let solid_angle = 1.0 / to_middle.length_squared();
-            (across, stretch / nearest, solid_angle * stretch.powf(1.5))
-        };
-        let blur = |depth: f64| {
-            let of_depth = if orthographic { 1.0 } else { 1.0 / depth };
-            lens.radius * of_depth * (1.0 - depth / lens.focus_distance).abs()
-        };
-        let largest_blur = self.scale * blur(nearest).max(blur(depth + radius));
-        let extent = DVec2::splat(length * radius);
-        let (mut low, mut high) = (across - extent, across + extent);
-        if let Some(corners) = outline.corners {
-            let seen = corners.map(|c| {
-                let depth = if orthographic {
-                    1.0
-                } else {
-                    c.dot(self.camera.forward)
-                };
-                DVec2::new(c.dot(right), -c.dot(up)) / depth
-            });
-            low = seen.into_iter().fold(seen[0], DVec2::min);
-            high = seen.into_iter().fold(seen[0], DVec2::max);
-        }
-        let around = DVec2::splat(largest_blur + self.reach);
-        let low = self.scale * low + 0.5 * self.size - around;
-        let high = self.scale * high + 0.5 * self.size + around;
+        let (low, high) = self.bounds(outline);
         if high.cmplt(DVec2::ZERO).any() || low.cmpgt(self.size).any() {
             return None;
         }
-        let pixels = self.scale * self.scale * area * squared;
-        let circle = PI * (self.scale * blur(depth)).powi(2);
+        let pixels = self.scale * self.scale * area * self.stretch(to_middle).powf(1.5)
+            / self.squared_distance(to_middle);
+        let circle = PI * (self.scale * self.blur(depth)).powi(2);
         let out_of_focus = circle > 1.0 && (depth - lens.focus_distance).abs() > 2.0 * radius;
         let shown = high.min(self.size) - low.max(DVec2::ZERO);
         let edges = if lens.radius > 0.0 {
@@ -300,11 +262,81 @@ impl View {
             shape: None,
             can_be_sampled: true,
             part: pixels / if out_of_focus { circle } else { 1.0 },
-            is_small: false,
             pixels,
             edges: edges.min(shown.x * shown.y),
             radiance,
         })
+    }
+
+    /// The box on the film, in pixels, that holds the middles of all pixels that may show something
+    /// within `outline`.
+    fn bounds(&self, outline: &Outline) -> (DVec2, DVec2) {
+        let Outline {
+            to_middle,
+            radius,
+            corners,
+        } = *outline;
+        let depth = to_middle.dot(self.camera.forward);
+        let (nearest, farthest) = (depth - radius, depth + radius);
+        let (low, high) = match corners.map(|c| c.map(|c| self.project(c))) {
+            Some(seen) => (
+                seen.into_iter().fold(seen[0], DVec2::min),
+                seen.into_iter().fold(seen[0], DVec2::max),
+            ),
+            None => {
+                let length = self.stretch(to_middle) / self.depth_that_counts(nearest);
+                let (middle, extent) = (self.project(to_middle), DVec2::splat(length * radius));
+                (middle - extent, middle + extent)
+            }
+        };
+        let blur = self.scale * self.blur(nearest).max(self.blur(farthest));
+        let around = DVec2::splat(blur + self.reach);
+        let middle = 0.5 * self.size;
+        (
+            self.scale * low + middle - around,
+            self.scale * high + middle + around,
+        )
+    }
+
+    /// The depth by which lengths shrink: 1 where the camera is orthographic.
+    fn depth_that_counts(&self, depth: f64) -> f64 {
+        if self.camera.is_orthographic() {
+            1.0
+        } else {
+            depth
+        }
+    }
+
+    /// Where the film shows what is at `p` from the eye, over the plane at distance 1, from its middle
+    /// to the right and down.
+    fn project(&self, p: DVec3) -> DVec2 {
+        let across = DVec2::new(p.dot(self.camera.right), -p.dot(self.camera.up));
+        across / self.depth_that_counts(p.dot(self.camera.forward))
+    }
+
+    /// One over the squared cosine at the axis of the direction to `p`: lengths are so much larger on
+    /// the film than in the middle, at the same depth. 1 where the camera is orthographic.
+    fn stretch(&self, p: DVec3) -> f64 {
+        if self.camera.is_orthographic() {
+            1.0
+        } else {
+            1.0 + self.project(p).length_squared()
+        }
+    }
+
+    /// Of the way to `p`, by which solid angles are less than areas: 1 where the camera is orthographic.
+    fn squared_distance(&self, p: DVec3) -> f64 {
+        if self.camera.is_orthographic() {
+            1.0
+        } else {
+            p.length_squared()
+        }
+    }
+
+    /// Radius of the circle of confusion at `depth`, over the plane at distance 1.
+    fn blur(&self, depth: f64) -> f64 {
+        let lens = self.camera.lens;
+        lens.radius * (1.0 - depth / lens.focus_distance).abs() / self.depth_that_counts(depth)
     }
 }
 
@@ -337,26 +369,10 @@ fn is_flat_ellipsoid(geometry: &PrimitiveGeometry) -> bool {
     }
 }
 
-/// Middle and radius of a sphere around it.
-pub(super) fn bounding_sphere(geometry: &PrimitiveGeometry) -> (DVec3, f64) {
-    match *geometry {
-        PrimitiveGeometry::Sphere { center, radius } => (center, radius),
-        PrimitiveGeometry::Ellipsoid { center, radii, .. } => (center, radii.max_element()),
-        _ => {
-            let (low, high) = geometry.bounds();
-            (0.5 * (low + high), 0.5 * (high - low).length())
-        }
-    }
-}
-
 /// At most the area of what a viewer sees of it in the unit direction `direction`, across that.
 fn facing_area(geometry: &PrimitiveGeometry, direction: DVec3) -> f64 {
-    let facing = |u: DVec3, v: DVec3| u.cross(v).dot(direction).abs();
-    match *geometry {
-        PrimitiveGeometry::Triangle { u, v, .. } => 0.5 * facing(u, v),
-        PrimitiveGeometry::Rectangle { u, v, .. } => facing(u, v),
-        PrimitiveGeometry::Disk { u, v, .. } => PI * facing(u, v),
-        PrimitiveGeometry::Sphere { radius, .. } => PI * radius * radius,
-        PrimitiveGeometry::Ellipsoid { radii, .. } => PI * radii.max_element().powi(2),
+    match geometry.vector_area() {
+        Some(area) => area.dot(direction).abs(),
+        None => PI * geometry.bounding_sphere().1.powi(2),
     }
 }

@@ -13,7 +13,7 @@ use crate::effects::{Effect, EffectQuery, Effects};
 use crate::emitters::{Emitter, Emitters};
 use crate::scene::{Camera, FilmSize, RenderSettings, Sampler, Scene, ShadowGrid, ShadowPattern};
 use lights_in_view::{LightInView, lights_in_view};
-use small_lights::{SmallLight, small_lights};
+use small_lights::{SmallLight, bright_texels, small_lights};
 use std::sync::Arc;
 
 /// A scene made ready for one estimator: its lights, how they are chosen, and the effects that are
@@ -37,6 +37,8 @@ pub struct Prepared {
     pub lights_in_view: Vec<LightInView>,
     /// Small lights that camera rays meet by chance alone.
     pub small_lights: Vec<SmallLight>,
+    /// What of the environment may be among these, whatever the camera.
+    bright_texels: Vec<SmallLight>,
     /// What is compiled in, and why.
     pub effects: Effects,
 }
@@ -89,29 +91,41 @@ impl Prepared {
             light_boxes,
             lights_in_view: Vec::new(),
             small_lights: Vec::new(),
+            bright_texels: Vec::new(),
             effects,
         };
         prepared.call_for_scale();
+        prepared.bright_texels = bright_texels(&prepared);
         prepared.look_from(camera, film);
         prepared.call_for_lights();
         prepared
     }
 
     /// Takes another camera, which calls for the same normalisation, and another size of the image.
-    /// Effects stay: see [`Prepared::has_effects_for_lights`].
+    /// Effects stay: see [`Prepared::has_effects_for`].
     pub fn look_from(&mut self, camera: Camera, film: FilmSize) {
+        (self.lights_in_view, self.small_lights) = self.lights_seen_by(&camera, film);
         (self.camera, self.film) = (camera, film);
-        let in_view = lights_in_view(&self.data, &camera, film, &self.emitters);
-        self.lights_in_view = in_view.sampled;
-        self.small_lights = small_lights(self, &in_view.left_to_chance);
     }
 
-    /// Whether the effects are among its own that lights call for which the camera sees, or samples
-    /// meet by chance.
-    pub fn has_effects_for_lights(&self) -> bool {
+    /// Whether the effects are among its own that lights call for which `camera` sees, or samples meet
+    /// by chance.
+    pub fn has_effects_for(&self, camera: &Camera, film: FilmSize) -> bool {
+        let (in_view, small) = self.lights_seen_by(camera, film);
         let has = |effect| self.effects.contains(effect);
-        (self.lights_in_view.is_empty() || has(Effect::LightsInView))
-            && (self.small_lights.is_empty() || has(Effect::NearMisses))
+        (in_view.is_empty() || has(Effect::LightsInView))
+            && (small.is_empty() || has(Effect::NearMisses))
+    }
+
+    /// The lights that are sampled in view of `camera`, and the small ones that samples meet by chance.
+    fn lights_seen_by(
+        &self,
+        camera: &Camera,
+        film: FilmSize,
+    ) -> (Vec<LightInView>, Vec<SmallLight>) {
+        let in_view = lights_in_view(&self.data, camera, film, &self.emitters);
+        let small = small_lights(self, (camera, film), &in_view.left_to_chance);
+        (in_view.sampled, small)
     }
 
     /// The same where camera rays find lights in view by chance alone.

@@ -2,11 +2,10 @@
 //! (`shaders/kernel/near_misses.wesl`).
 
 use super::Prepared;
-use super::lights_in_view::bounding_sphere;
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
-use crate::emitters::{Emitter, row_height, texel_luminance};
-use crate::scene::{Environment, EnvironmentMap, EnvironmentRadiance, Light};
+use crate::emitters::{Emitter, luminance_over_sphere, mean_emission, row_height, texel_luminance};
+use crate::scene::{Camera, EnvironmentMap, EnvironmentRadiance, FilmSize, Light};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -110,19 +109,22 @@ fn narrowest_lobe(prepared: &Prepared) -> Option<f64> {
     (narrowest < WIDE_LOBE).then_some(12.0 * PI * narrowest * narrowest)
 }
 
-/// The small lights that samples of `prepared` meet by chance: all that mirrors, glass and narrow
-/// lobes may show, or else `in_view`, those that the camera sees and that are not sampled there.
-pub(super) fn small_lights(prepared: &Prepared, in_view: &[u32]) -> Vec<SmallLight> {
+/// The small lights that samples of `prepared` meet by chance where `camera` takes an image of `film`
+/// pixels: all that mirrors, glass and narrow lobes may show, or else `in_view`, those that the camera
+/// sees and that are not sampled there.
+pub(super) fn small_lights(
+    prepared: &Prepared,
+    (camera, film): (&Camera, FilmSize),
+    in_view: &[u32],
+) -> Vec<SmallLight> {
     let shown = narrowest_lobe(prepared);
     let lobe = shown.unwrap_or(0.0);
-    let large = LARGE * pixel_solid_angle(prepared);
+    let large = LARGE * pixel_solid_angle(&prepared.data.normalization.camera(camera), film);
     let lights = (0..).zip(&prepared.emitters.lights);
     let watched = lights.filter(|(index, _)| shown.is_some() || in_view.contains(index));
-    let surfaces = watched.filter_map(|(index, light)| of_light(prepared, index, light));
-    let environment = &prepared.data.scene.environment;
-    let environment = environment.as_ref().filter(|_| shown.is_some());
-    let texels = environment.map(bright_texels).unwrap_or_default();
-    let small = surfaces.chain(texels).filter(|light| {
+    let lights = watched.filter_map(|(index, light)| of_light(prepared, index, light));
+    let small = lights.chain(prepared.bright_texels.iter().copied());
+    let small = small.filter(|light| {
         let width = light.solid_angle() + lobe;
         width > 0.0 && width < large
     });
@@ -139,9 +141,8 @@ pub(super) fn small_lights(prepared: &Prepared, in_view: &[u32]) -> Vec<SmallLig
 }
 
 /// Of a camera whose rays are parallel, that of a pixel seen from distance 1.
-fn pixel_solid_angle(prepared: &Prepared) -> f64 {
-    let camera = prepared.data.normalization.camera(&prepared.camera);
-    let side = 2.0 * camera.half_height() / f64::from(prepared.film.height);
+fn pixel_solid_angle(camera: &Camera, film: FilmSize) -> f64 {
+    let side = 2.0 * camera.half_height() / f64::from(film.height);
     side * side
 }
 
@@ -154,13 +155,14 @@ fn of_light(prepared: &Prepared, index: u32, light: &Emitter) -> Option<SmallLig
             map,
         } => {
             let geometry = &prepared.data.primitives[primitive as usize].geometry;
-            let mean = map.map_or(DVec3::ONE, |map| prepared.emitters.maps[map as usize].mean);
             let (place, extent) = of_geometry(geometry, two_sided);
+            let mean = mean_emission(map, &prepared.emitters.maps);
             (place, extent, radiance * mean)
         }
         Emitter::Sun(sun) => {
-            let solid_angle = 4.0 * PI * (0.5 * sun.angular_radius).sin().powi(2);
-            let extent = Extent::Distant { solid_angle };
+            let extent = Extent::Distant {
+                solid_angle: sun.solid_angle(),
+            };
             (-sun.direction, extent, sun.irradiance)
         }
         Emitter::Delta(light) => {
@@ -198,18 +200,15 @@ fn of_delta(light: Light) -> Extent {
 
 /// The middle of a light with this geometry, and its extent.
 fn of_geometry(geometry: &PrimitiveGeometry, two_sided: bool) -> (DVec3, Extent) {
-    let (place, radius) = bounding_sphere(geometry);
-    let planar = |u: DVec3, v: DVec3, share: f64| Extent::Planar {
-        radius,
-        area: share * u.cross(v),
-        two_sided,
-    };
-    let extent = match *geometry {
-        PrimitiveGeometry::Triangle { u, v, .. } => planar(u, v, 0.5),
-        PrimitiveGeometry::Rectangle { u, v, .. } => planar(u, v, 1.0),
-        PrimitiveGeometry::Disk { u, v, .. } => planar(u, v, PI),
+    let (place, radius) = geometry.bounding_sphere();
+    let extent = match geometry.vector_area() {
+        Some(area) => Extent::Planar {
+            radius,
+            area,
+            two_sided,
+        },
         // A convex body's mean shadow (Cauchy 1841).
-        PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => Extent::Body {
+        None => Extent::Body {
             radius,
             area: 0.25 * geometry.area(),
         },
@@ -217,9 +216,13 @@ fn of_geometry(geometry: &PrimitiveGeometry, two_sided: bool) -> (DVec3, Extent)
     (place, extent)
 }
 
-/// The texels of a map that are much brighter than it is on average.
-fn bright_texels(environment: &Environment) -> Vec<SmallLight> {
-    let EnvironmentRadiance::Map(map) = &environment.radiance else {
+/// The texels of the environment that are much brighter than it is on average, where mirrors, glass or
+/// narrow lobes may show them.
+pub(super) fn bright_texels(prepared: &Prepared) -> Vec<SmallLight> {
+    let environment = prepared.data.scene.environment.as_ref();
+    let environment = environment.filter(|_| narrowest_lobe(prepared).is_some());
+    let Some((environment, EnvironmentRadiance::Map(map))) = environment.map(|e| (e, &e.radiance))
+    else {
         return Vec::new();
     };
     let EnvironmentMap {
@@ -229,24 +232,18 @@ fn bright_texels(environment: &Environment) -> Vec<SmallLight> {
         ..
     } = map;
     let (columns, rows) = (f64::from(*width), f64::from(*height));
-    let row_height = |row: usize| row_height(row as f64, rows);
-    let by_row = || texels.chunks_exact(*width as usize).enumerate();
-    let means = by_row().map(|(row, texels)| {
-        let sum: f64 = texels.iter().map(|t| texel_luminance(*t)).sum();
-        0.5 * row_height(row) * sum / columns
-    });
-    let mean: f64 = means.sum();
+    let least = BRIGHT_TEXEL * luminance_over_sphere(map);
     let mut bright = Vec::new();
-    for (row, texels) in by_row() {
+    for (row, texels) in texels.chunks_exact(*width as usize).enumerate() {
+        let solid_angle = TAU / columns * row_height(row as f64, rows);
+        let (sin, cos) = (PI * (row as f64 + 0.5) / rows).sin_cos();
         for (column, texel) in texels.iter().enumerate() {
-            if texel_luminance(*texel) < BRIGHT_TEXEL * mean {
+            if texel_luminance(*texel) < least {
                 continue;
             }
             let radiance = environment.scale * DVec3::from(texel.map(f64::from));
-            let (sin, cos) = (PI * (row as f64 + 0.5) / rows).sin_cos();
             let azimuth = TAU * (column as f64 + 0.5) / columns;
             let direction = DVec3::new(-azimuth.sin() * sin, cos, azimuth.cos() * sin);
-            let solid_angle = TAU / columns * row_height(row);
             bright.push(SmallLight {
                 light: None,
                 place: environment.rotation * direction,

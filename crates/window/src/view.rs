@@ -142,15 +142,8 @@ impl<'a> View<'a> {
         *self.method == *method
             && kind(&self.camera) == kind(&request.camera)
             && self.data_for(request).is_some()
-            && (request.moving || self.samples_lights_of(request))
-    }
-
-    /// Whether it samples the lights that the camera of `request` sees. While that moves, it may leave
-    /// them to chance.
-    fn samples_lights_of(&self, request: &RenderRequest) -> bool {
-        let mut prepared = self.prepared.clone();
-        prepared.look_from(request.camera, request.film);
-        prepared.has_effects_for_lights()
+            // While it moves, lights in view may be left to chance.
+            && (request.moving || self.prepared.has_effects_for(&request.camera, request.film))
     }
 
     /// The scene of `request`, where this view has it, scaled for the request's camera.

@@ -29,6 +29,9 @@ pub(super) struct MissedLight(Vec<Kind>);
 
 impl MissedLight {
     pub(super) fn of(film: &Film) -> Self {
+        if film.small_lights == 0 {
+            return Self::default();
+        }
         let mut kinds: BTreeMap<i32, Kind> = BTreeMap::new();
         // Each pixel watches one of them.
         let times = f64::from(film.small_lights);

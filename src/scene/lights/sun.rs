@@ -28,6 +28,11 @@ impl SunLight {
         self.irradiance / (PI * self.angular_radius.sin().powi(2))
     }
 
+    /// The solid angle in which it is seen.
+    pub fn solid_angle(&self) -> f64 {
+        2.0 * PI * self.height()
+    }
+
     /// 1 − cosθ of the cone in which it is seen: the solid angle is 2π times this.
     fn height(&self) -> f64 {
         2.0 * (0.5 * self.angular_radius).sin().powi(2)
