@@ -206,6 +206,7 @@ fn structs_have_the_same_members() {
         bounds,
         light,
         points,
+        per_sample,
         padding
     });
     check(

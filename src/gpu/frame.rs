@@ -114,7 +114,8 @@ fn lights_in_view_of(prepared: &Prepared) -> [LightInViewUniform; MAX_LIGHTS_IN_
                 PointsInView::OfLens => POINTS_OF_LENS,
                 PointsInView::OfPixel => POINTS_OF_PIXEL,
             },
-            padding: [0; 2],
+            per_sample: seen.per_sample,
+            padding: 0,
         };
     }
     uniforms

@@ -162,8 +162,10 @@ pub struct LightInViewUniform {
     /// Where its points are chosen: 0 on the light, to be seen from the lens, 1 on the light, to be seen
     /// through the point in focus, 2 in the pixel.
     pub points: u32,
+    /// How many points a sample has.
+    pub per_sample: u32,
     /// Unused.
-    pub padding: [u32; 2],
+    pub padding: u32,
 }
 
 /// `SmallLightUniform` of `shaders/types.wesl`: a small light that camera rays meet by chance.
@@ -488,8 +490,8 @@ shared! {
     "kernel::lights_in_view" POINTS_OF_LENS = 1;
     /// They are chosen in the pixel.
     "kernel::lights_in_view" POINTS_OF_PIXEL = 2;
-    /// How many these are per sample.
-    "kernel::lights_in_view" PIXEL_POINTS = crate::prepare::lights_in_view::PIXEL_POINTS;
+    /// How many points a sample has at most.
+    "kernel::lights_in_view" MOST_POINTS = crate::prepare::lights_in_view::MOST_POINTS;
     /// A small light shines in all directions alike.
     "kernel::near_misses" SMALL_BODY = 0;
     /// It is planar.

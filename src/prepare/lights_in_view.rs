@@ -17,15 +17,16 @@ use std::f64::consts::PI;
 
 /// Most lights that are sampled in view: those that matter most.
 pub const MAX_LIGHTS_IN_VIEW: usize = 16;
-/// Points of the pixel per sample.
-pub const PIXEL_POINTS: u32 = 64;
+/// Points of a light that a sample has at most.
+pub const MOST_POINTS: u32 = 64;
 
 /// Largest part of a pixel, or of its circle of confusion, that a light may cover whose points are
 /// chosen on it: of a larger one chance finds the edges as well.
 const LARGEST_PART: f64 = 0.5;
-/// Largest part of the image's pixels that lights may cross with their edges for these to be
-/// sampled: a pixel has [`PIXEL_POINTS`] rays more there.
-const LARGEST_EDGES: f64 = 1.0 / 32.0;
+/// Rays to lights in view that a sample may have on average over the image.
+const RAYS_PER_SAMPLE: f64 = 2.0;
+/// Points of the pixel that are better than what chance finds of an edge.
+const FEWEST_POINTS_OF_PIXEL: u32 = 4;
 /// Half axes of an ellipsoid, longest over shortest, up to which rounding spares what is sampled of
 /// it.
 const FLATTEST: f64 = 100.0;
@@ -39,7 +40,7 @@ pub enum PointsInView {
     OfFilm,
     /// On the light, to be seen through the point in focus, from somewhere on the lens.
     OfLens,
-    /// In the pixel, several of them.
+    /// In the pixel.
     OfPixel,
 }
 
@@ -54,6 +55,8 @@ pub struct LightInView {
     pub high: DVec2,
     /// How its points are chosen.
     pub points: PointsInView,
+    /// How many a sample has: a power of two, [`MOST_POINTS`] at most.
+    pub per_sample: u32,
 }
 
 impl LightInView {
@@ -95,26 +98,36 @@ pub(super) fn lights_in_view(
     {
         *parts.entry(shape).or_default() += part;
     }
-    let mut found = InView::default();
-    let mut edges_left = LARGEST_EDGES * size.pixels() as f64;
+    let mut sampled = Vec::new();
+    let mut left_to_chance = Vec::new();
+    let mut rays_left = RAYS_PER_SAMPLE * size.pixels() as f64;
     for mut seen in seen {
         let is_small = seen.shape.map_or(seen.part, |shape| parts[&shape]) <= LARGEST_PART;
-        let mut edges = 0.0;
         if !is_small {
             seen.light.points = PointsInView::OfPixel;
-            edges = seen.edges;
+            seen.light.per_sample = FEWEST_POINTS_OF_PIXEL;
         }
         let can_be_sampled = seen.can_be_sampled && !(is_small && view.leaves_small_lights);
-        let has_room = found.sampled.len() < MAX_LIGHTS_IN_VIEW && edges <= edges_left;
+        let has_room = sampled.len() < MAX_LIGHTS_IN_VIEW && (is_small || seen.rays() <= rays_left);
         if can_be_sampled && has_room {
-            edges_left -= edges;
-            found.sampled.push(seen.light);
+            rays_left -= seen.rays();
+            sampled.push(seen);
         } else if is_small {
-            found.left_to_chance.push(seen.light.light);
+            left_to_chance.push(seen.light.light);
         }
     }
-    found.sampled.sort_by_key(|seen| seen.light);
-    found
+    for seen in &mut sampled {
+        while seen.light.per_sample < MOST_POINTS && seen.rays() <= rays_left {
+            rays_left -= seen.rays();
+            seen.light.per_sample *= 2;
+        }
+    }
+    let mut sampled: Vec<_> = sampled.into_iter().map(|seen| seen.light).collect();
+    sampled.sort_by_key(|light| light.light);
+    InView {
+        sampled,
+        left_to_chance,
+    }
 }
 
 /// A light in view, and what decides whether it is sampled.
@@ -128,7 +141,7 @@ struct Seen {
     part: f64,
     /// Pixels that it covers.
     pixels: f64,
-    /// Pixels that its edges cross.
+    /// Pixels in which it is sampled: those that may show it, or that its edges cross.
     edges: f64,
     radiance: f64,
 }
@@ -137,6 +150,11 @@ impl Seen {
     /// What a sample of each pixel adds to the sum of their variances if chance finds it.
     fn variance(&self) -> f64 {
         self.radiance * self.radiance * self.pixels.min(self.edges)
+    }
+
+    /// Rays that a sample of each pixel sends to it, at most.
+    fn rays(&self) -> f64 {
+        f64::from(self.light.per_sample) * self.edges
     }
 }
 
@@ -258,6 +276,7 @@ impl View {
                 } else {
                     PointsInView::OfFilm
                 },
+                per_sample: 1,
             },
             shape: None,
             can_be_sampled: true,

@@ -222,15 +222,24 @@ fn what_is_sampled_is_what_chance_finds() {
     }
 }
 
-/// What a camera sees large, or does not see, is not called for.
+/// A sample has more points of lights that fewer pixels show, up to 64. What covers all of the image, or
+/// is not in it, is not called for.
 #[test]
-fn only_small_lights_in_view_are_sampled() {
-    let lights = |geometry: Geometry| {
+fn few_pixels_have_many_points() {
+    let per_sample = |geometry: Geometry| {
         let scene = seen(Lens::PINHOLE, vec![emitter(geometry, 1.0, false)]);
-        prepared(scene).lights_in_view.len()
+        let lights = prepared(scene).lights_in_view;
+        lights
+            .into_iter()
+            .map(|light| light.per_sample)
+            .collect::<Vec<_>>()
     };
-    assert_eq!(lights(disk(0.0, 0.0, 2.0, 0.3)), 1);
-    assert_eq!(lights(disk(0.0, 0.0, 2.0, 3.0)), 0, "larger than a pixel");
+    // Two rays of each of 64 pixels: 128, and (2√(0.3/π) + 1)² = 2.6 pixels may show it.
+    assert_eq!(per_sample(disk(0.0, 0.0, 2.0, 0.3)), [32]);
+    // Its edges cross 4(2√(8/π) + 1) = 17 at most.
+    assert_eq!(per_sample(disk(0.0, 0.0, 2.0, 8.0)), [4]);
+    assert!(per_sample(disk(0.0, 0.0, 2.0, 500.0)).is_empty());
+    let lights = |geometry: Geometry| per_sample(geometry).len();
     assert_eq!(lights(disk(9.0, 0.0, 2.0, 0.3)), 0, "beside the image");
     assert_eq!(lights(disk(0.0, 0.0, -2.0, 0.3)), 0, "behind the camera");
     let orthographic = |projection: Projection| {

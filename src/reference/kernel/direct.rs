@@ -144,7 +144,7 @@ impl<'a> Direct<'a> {
         let lights = self.lights_of_pixel(pixel.0, pixel.1);
         let in_view: Vec<u32> = lights.iter().map(|(_, seen)| seen.light).collect();
         for &light in &lights {
-            sample.radiance += self.estimate_light_in_view(light, id, pixel, ray);
+            sample.radiance += self.estimate_light_in_view(light, id, pixel);
         }
         let found = follow_camera_ray(&self.world, *ray, self.numbers, id, &in_view, &mut sample);
         let Some(lit) = found else {

@@ -5,7 +5,7 @@ use super::direct::Direct;
 use super::filter::{film_point, filter_density};
 use crate::accel::PrimitiveGeometry;
 use crate::emitters::Emitter;
-use crate::prepare::lights_in_view::{LightInView, PIXEL_POINTS, PointsInView};
+use crate::prepare::lights_in_view::{LightInView, MOST_POINTS, PointsInView};
 use crate::reference::broken::BrokenTwin;
 use crate::reference::core::frame::frame_from_normal;
 use crate::reference::core::math::max_abs;
@@ -212,28 +212,28 @@ impl Direct<'_> {
         !covered && (patch.holds)(center, extent)
     }
 
-    /// What the light `seen`, number `i` of those in view, contributes to a sample of pixel (x, y)
-    /// whose camera ray is `camera_ray`.
+    /// What the light `seen`, number `i` of those in view, contributes to a sample of pixel (x, y).
     pub(super) fn estimate_light_in_view(
         &self,
         (i, seen): (u32, LightInView),
         id: SampleId,
         (x, y): (u32, u32),
-        camera_ray: &Ray,
     ) -> DVec3 {
         let pixel = DVec2::new(f64::from(x), f64::from(y));
-        let first = PIXEL_POINTS * i;
-        if seen.points == PointsInView::OfPixel {
-            let points = 0..PIXEL_POINTS;
-            let seen_at = |n: u32| {
-                let part = part_of_sample(id, n, PIXEL_POINTS);
-                let point = self.point_of_pixel(seen.light, i, part, pixel);
-                point.map_or(DVec3::ZERO, |p| self.seen(seen.light, &p, id, first + n))
+        let seen_at = |n: u32| {
+            let part = part_of_sample(id, n, seen.per_sample);
+            let group = GROUP_LIGHTS_IN_VIEW.wrapping_add(i);
+            let [a, b, c, d] = self.numbers.group(part, group);
+            let (first, second) = (to_unit_2d(a, b), to_unit_2d(c, d));
+            let point = if seen.points == PointsInView::OfPixel {
+                self.point_of_pixel(seen.light, pixel, first, second)?
+            } else {
+                self.point_of_light(seen, pixel, first, second)
             };
-            return points.map(seen_at).sum();
-        }
-        let point = self.point_of_light((i, seen), id, pixel, camera_ray);
-        self.seen(seen.light, &point, id, first)
+            Some(self.seen(seen.light, &point, id, MOST_POINTS * i + n))
+        };
+        let sum: DVec3 = (0..seen.per_sample).filter_map(seen_at).sum();
+        sum / f64::from(seen.per_sample)
     }
 
     /// What light `index` shows at `point`, unless something hides it from ray number `ray` to lights
@@ -264,19 +264,16 @@ impl Direct<'_> {
         contribution
     }
 
-    /// The point of light `index` that sample `part` of the pixel sees.
+    /// The point of light `index` that the lens's point `lens` sees where the filter chose `film` in the
+    /// pixel.
     fn point_of_pixel(
         &self,
         index: u32,
-        i: u32,
-        part: SampleId,
         pixel: DVec2,
+        film: DVec2,
+        lens: DVec2,
     ) -> Option<PointInView> {
-        let words = self
-            .numbers
-            .group(part, GROUP_LIGHTS_IN_VIEW.wrapping_add(i));
-        let film = film_point(&self.filter, pixel, to_unit_2d(words[0], words[1]));
-        let lens = to_unit_2d(words[2], words[3]);
+        let film = film_point(&self.filter, pixel, film);
         let ray = camera_ray(&self.world, self.size, film, lens);
         let st = Patch::of(&self.world, index, ray.origin).meet(ray.direction)?;
         let one = BrokenTwin::density(self.broken, PdfSolidAngle(1.0));
@@ -284,18 +281,21 @@ impl Direct<'_> {
             viewer: ray.origin,
             direction: ray.direction,
             st,
-            weight: 1.0 / (f64::from(PIXEL_POINTS) * one.0),
+            weight: 1.0 / one.0,
         })
     }
 
-    /// A point that is chosen on the light.
+    /// The point `on_light` of the light's patch, seen from the point `lens_or_film` of the lens, or
+    /// through the point in focus that the filter chose by it.
     fn point_of_light(
         &self,
-        (i, seen): (u32, LightInView),
-        id: SampleId,
+        seen: LightInView,
         pixel: DVec2,
-        camera_ray: &Ray,
+        on_light: DVec2,
+        lens_or_film: DVec2,
     ) -> PointInView {
+        let film = film_point(&self.filter, pixel, lens_or_film);
+        let camera_ray = camera_ray(&self.world, self.size, film, lens_or_film);
         let prepared = self.world.prepared;
         let camera = prepared.data.normalization.camera(&prepared.camera);
         let (lens, by_lens) = (camera.lens, seen.points == PointsInView::OfLens);
@@ -306,9 +306,7 @@ impl Direct<'_> {
             camera_ray.origin
         };
         let patch = Patch::of(&self.world, seen.light, through);
-        let group = GROUP_LIGHTS_IN_VIEW.wrapping_add(i);
-        let [a, b, ..] = self.numbers.group(id, group);
-        let st = (patch.sample)(to_unit_2d(a, b));
+        let st = (patch.sample)(on_light);
         let d = patch.to_a + st.x * patch.u + st.y * patch.v;
         let axis = d.normalize().dot(camera.forward);
         let direction = axis.signum() * d.normalize();
