@@ -194,7 +194,7 @@ fn structs_have_the_same_members() {
         area,
         kind,
         strength,
-        light
+        is_in_view
     });
     check(
         &module,

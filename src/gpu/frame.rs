@@ -3,7 +3,7 @@
 
 use super::layout::{
     BvhUniform, CameraUniform, EnvironmentUniform, FILTER_WORDS, FilmUniform, Frame,
-    LightInViewUniform, LightTreeUniform, LightsUniform, NONE, POINTS_OF_FILM, POINTS_OF_LENS,
+    LightInViewUniform, LightTreeUniform, LightsUniform, POINTS_OF_FILM, POINTS_OF_LENS,
     POINTS_OF_PIXEL, PatternsUniform, SMALL_BODY, SMALL_DISTANT, SMALL_PLANAR, SMALL_POINT,
     SMALL_TWO_SIDED, ShadowUniform, SmallLightUniform, TILE,
 };
@@ -149,7 +149,7 @@ fn small_lights_of(prepared: &Prepared) -> [SmallLightUniform; MAX_SMALL_LIGHTS]
             area: f3(area),
             kind,
             strength: f3(light.strength * per_unit),
-            light: light.light.unwrap_or(NONE),
+            is_in_view: u32::from(light.is_in_view),
         };
     }
     uniforms

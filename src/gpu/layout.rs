@@ -184,8 +184,8 @@ pub struct SmallLightUniform {
     /// Radiance; irradiance from a distant one, radiant intensity of a point. Of one that stands for
     /// several as much more.
     pub strength: [f32; 3],
-    /// The light, or [`NONE`].
-    pub light: u32,
+    /// 1 where the camera may see it and it is not sampled there.
+    pub is_in_view: u32,
 }
 
 /// `Frame` of `shaders/types.wesl`: what stays the same for a whole render.

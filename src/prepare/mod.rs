@@ -4,6 +4,7 @@
 pub mod lights_in_view;
 pub mod near_plane;
 mod scene_data;
+mod shiny;
 pub mod small_lights;
 
 pub use scene_data::SceneData;
@@ -13,6 +14,7 @@ use crate::effects::{Effect, EffectQuery, Effects};
 use crate::emitters::{Emitter, Emitters};
 use crate::scene::{Camera, FilmSize, RenderSettings, Sampler, Scene, ShadowGrid, ShadowPattern};
 use lights_in_view::{LightInView, lights_in_view};
+use shiny::{Shiny, shiny_materials};
 use small_lights::{SmallLight, bright_texels, small_lights};
 use std::sync::Arc;
 
@@ -39,6 +41,8 @@ pub struct Prepared {
     pub small_lights: Vec<SmallLight>,
     /// What of the environment may be among these, whatever the camera.
     bright_texels: Vec<SmallLight>,
+    /// What shows them.
+    shiny: Vec<Shiny>,
     /// What is compiled in, and why.
     pub effects: Effects,
 }
@@ -92,6 +96,7 @@ impl Prepared {
             lights_in_view: Vec::new(),
             small_lights: Vec::new(),
             bright_texels: Vec::new(),
+            shiny: shiny_materials(data),
             effects,
         };
         prepared.call_for_scale();

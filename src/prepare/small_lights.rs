@@ -2,8 +2,8 @@
 //! (`shaders/kernel/near_misses.wesl`).
 
 use super::Prepared;
+use super::shiny::{Shiny, pixel_of};
 use crate::accel::PrimitiveGeometry;
-use crate::effects::Effect;
 use crate::emitters::{Emitter, luminance_over_sphere, mean_emission, row_height, texel_luminance};
 use crate::scene::{Camera, EnvironmentMap, EnvironmentRadiance, FilmSize, Light};
 use glam::DVec3;
@@ -12,13 +12,9 @@ use std::f64::consts::{PI, TAU};
 /// Most lights that are watched; they stand for the others.
 pub const MAX_SMALL_LIGHTS: usize = 32;
 
-/// How many times the solid angle of a pixel a light and a lobe cover together, seen from the middle
-/// of the scene, from which on they are so large that samples meet them also where a curved surface
-/// makes them smaller.
-const LARGE: f64 = 1000.0;
-
-/// Width of lobes from which on highlights are found often enough.
-const WIDE_LOBE: f64 = 0.03;
+/// How many times the solid angle of a pixel's rays, after they were reflected, a light and a lobe cover
+/// together from which on samples meet them often enough.
+const FOUND_OFTEN: f64 = 100.0;
 
 /// How many times the mean of an environment map a texel is that counts as a light.
 const BRIGHT_TEXEL: f64 = 16.0;
@@ -62,6 +58,8 @@ pub enum Extent {
 pub struct SmallLight {
     /// Index of the light; none of a part of the environment.
     pub light: Option<u32>,
+    /// Whether the camera may see it and it is not sampled there.
+    pub is_in_view: bool,
     /// Its middle; of a distant one the unit direction to it.
     pub place: DVec3,
     /// How large it is.
@@ -82,68 +80,76 @@ impl SmallLight {
         }
     }
 
-    /// What it adds to the variance of what a lobe of the solid angle `lobe` shows, at distance 1.
-    fn weight(&self, lobe: f64) -> f64 {
-        let solid_angle = self.solid_angle();
+    /// The solid angle in which `shiny` shows it, seen from distance 1; none where it does not.
+    fn width(&self, shiny: &Shiny) -> Option<f64> {
+        let width = self.solid_angle() + shiny.lobe;
+        (width > 0.0).then_some(width)
+    }
+
+    /// What it adds to the variance of what shows it in the solid angle `width`, at distance 1.
+    fn weight(&self, width: f64) -> f64 {
         let irradiance = match self.extent {
-            Extent::Body { .. } | Extent::Planar { .. } => solid_angle * self.strength,
+            Extent::Body { .. } | Extent::Planar { .. } => self.solid_angle() * self.strength,
             Extent::Distant { .. } | Extent::Point { .. } => self.strength,
         };
-        irradiance.length_squared() / (solid_angle + lobe)
+        irradiance.length_squared() / width
     }
-}
-
-/// The solid angle of the narrowest lobe that shows lights, as in `note_highlight`: 0 of mirrors and
-/// glass; `None` where all are wide.
-fn narrowest_lobe(prepared: &Prepared) -> Option<f64> {
-    if prepared.effects.contains(Effect::Specular) {
-        return Some(0.0);
-    }
-    if !prepared.effects.contains(Effect::Glossy) {
-        return None;
-    }
-    let materials = prepared.data.scene.materials.iter();
-    let lobes = materials.filter_map(|m| m.bsdf.parameters().specular);
-    let widths = lobes.map(|lobe| lobe.alpha).filter(|alpha| *alpha > 0.0);
-    let narrowest = widths.fold(f64::INFINITY, f64::min);
-    (narrowest < WIDE_LOBE).then_some(12.0 * PI * narrowest * narrowest)
 }
 
 /// The small lights that samples of `prepared` meet by chance where `camera` takes an image of `film`
-/// pixels: all that mirrors, glass and narrow lobes may show, or else `in_view`, those that the camera
-/// sees and that are not sampled there.
+/// pixels: what mirrors, glass and lobes may show, and of `in_view`, those that the camera sees and
+/// that are not sampled there, what pixels do.
 pub(super) fn small_lights(
     prepared: &Prepared,
     (camera, film): (&Camera, FilmSize),
     in_view: &[u32],
 ) -> Vec<SmallLight> {
-    let shown = narrowest_lobe(prepared);
-    let lobe = shown.unwrap_or(0.0);
-    let large = LARGE * pixel_solid_angle(&prepared.data.normalization.camera(camera), film);
+    let (side, distance) = pixel_of(&prepared.data, camera, film);
+    let weight = |light: &SmallLight, shiny: &Shiny| {
+        let width = light.width(shiny)?;
+        let is_small = width < FOUND_OFTEN * shiny.spread(side, distance);
+        is_small.then(|| light.weight(width))
+    };
     let lights = (0..).zip(&prepared.emitters.lights);
-    let watched = lights.filter(|(index, _)| shown.is_some() || in_view.contains(index));
-    let lights = watched.filter_map(|(index, light)| of_light(prepared, index, light));
-    let small = lights.chain(prepared.bright_texels.iter().copied());
-    let small = small.filter(|light| {
-        let width = light.solid_angle() + lobe;
-        width > 0.0 && width < large
+    let lights = lights.filter_map(|(index, light)| of_light(prepared, index, light));
+    let lights = lights.chain(prepared.bright_texels.iter().copied());
+    let camera = prepared.data.normalization.camera(camera);
+    let small = lights.filter_map(|light| {
+        let is_in_view = match light.light {
+            Some(index) => in_view.contains(&index),
+            None => is_direction_in_view(&camera, film, light.place),
+        };
+        let by_camera = is_in_view.then_some(&Shiny::CAMERA);
+        let shown_by = prepared.shiny.iter().chain(by_camera);
+        let weights = shown_by.filter_map(|shiny| weight(&light, shiny));
+        let light = SmallLight {
+            is_in_view,
+            ..light
+        };
+        Some((weights.reduce(f64::max)?, light))
     });
     let mut small: Vec<_> = small.collect();
-    small.sort_by(|a, b| b.weight(lobe).total_cmp(&a.weight(lobe)));
-    let sum = |lights: &[SmallLight]| lights.iter().map(|light| light.weight(lobe)).sum::<f64>();
+    small.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let sum = |lights: &[(f64, SmallLight)]| lights.iter().map(|(weight, _)| weight).sum::<f64>();
     let all = sum(&small);
     small.truncate(MAX_SMALL_LIGHTS);
     let factor = (all / sum(&small).max(f64::MIN_POSITIVE)).sqrt();
-    for light in &mut small {
-        light.strength *= factor;
-    }
-    small
+    let stronger = small.into_iter().map(|(_, light)| SmallLight {
+        strength: factor * light.strength,
+        ..light
+    });
+    stronger.collect()
 }
 
-/// Of a camera whose rays are parallel, that of a pixel seen from distance 1.
-fn pixel_solid_angle(camera: &Camera, film: FilmSize) -> f64 {
-    let side = 2.0 * camera.half_height() / f64::from(film.height);
-    side * side
+/// Whether `camera`, normalised space, shows what is infinitely far away in the unit direction `direction`;
+/// true where its rays are parallel.
+fn is_direction_in_view(camera: &Camera, film: FilmSize, direction: DVec3) -> bool {
+    let depth = direction.dot(camera.forward);
+    let half_height = camera.half_height() * depth;
+    camera.is_orthographic()
+        || depth > 0.0
+            && direction.dot(camera.up).abs() <= half_height
+            && direction.dot(camera.right).abs() <= half_height * film.aspect()
 }
 
 fn of_light(prepared: &Prepared, index: u32, light: &Emitter) -> Option<SmallLight> {
@@ -175,6 +181,7 @@ fn of_light(prepared: &Prepared, index: u32, light: &Emitter) -> Option<SmallLig
     };
     Some(SmallLight {
         light: Some(index),
+        is_in_view: false,
         place,
         extent,
         strength,
@@ -220,7 +227,7 @@ fn of_geometry(geometry: &PrimitiveGeometry, two_sided: bool) -> (DVec3, Extent)
 /// narrow lobes may show them.
 pub(super) fn bright_texels(prepared: &Prepared) -> Vec<SmallLight> {
     let environment = prepared.data.scene.environment.as_ref();
-    let environment = environment.filter(|_| narrowest_lobe(prepared).is_some());
+    let environment = environment.filter(|_| !prepared.shiny.is_empty());
     let Some((environment, EnvironmentRadiance::Map(map))) = environment.map(|e| (e, &e.radiance))
     else {
         return Vec::new();
@@ -246,6 +253,7 @@ pub(super) fn bright_texels(prepared: &Prepared) -> Vec<SmallLight> {
             let direction = DVec3::new(-azimuth.sin() * sin, cos, azimuth.cos() * sin);
             bright.push(SmallLight {
                 light: None,
+                is_in_view: false,
                 place: environment.rotation * direction,
                 extent: Extent::Distant { solid_angle },
                 strength: solid_angle * radiance,

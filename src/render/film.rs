@@ -58,8 +58,20 @@ impl Pixel {
         }
         self.second_samples += u64::from(block.second_samples);
         if block.expected_squares.is_finite() {
-            self.expected_squares += unit * unit * f64::from(block.expected_squares);
-            self.expected_hits += f64::from(block.expected_hits);
+            let squares = unit * unit * f64::from(block.expected_squares);
+            self.add_expected(squares, f64::from(block.expected_hits));
+        }
+    }
+
+    /// As `add_expected` of `shaders/kernel/near_misses.wesl`: of two kinds of hits, whose squares are
+    /// more than ten times apart, those count that add more to the mean.
+    fn add_expected(&mut self, squares: f64, hits: f64) {
+        let (its, others) = (squares * self.expected_hits, self.expected_squares * hits);
+        if its <= 10.0 * others && others <= 10.0 * its {
+            self.expected_squares += squares;
+            self.expected_hits += hits;
+        } else if squares * hits > self.expected_squares * self.expected_hits {
+            (self.expected_squares, self.expected_hits) = (squares, hits);
         }
     }
 
@@ -179,8 +191,6 @@ pub struct Film {
     pub sampler: Sampler,
     /// Radiance that the blocks which are merged have as 1: a power of two.
     pub unit: f64,
-    /// Small lights that camera rays are watched for nearly meeting; each pixel watches one.
-    pub small_lights: u32,
     /// Pixels, row by row from the top.
     pub pixels: Vec<Pixel>,
     /// What was dropped.
@@ -196,7 +206,6 @@ impl Film {
             size,
             sampler,
             unit: 1.0,
-            small_lights: 0,
             pixels: vec![Pixel::default(); size.pixels()],
             ledger: Ledger::default(),
             light_groups: Vec::new(),
@@ -216,15 +225,6 @@ impl Film {
     #[must_use]
     pub fn in_units_of(self, unit: f64) -> Self {
         Self { unit, ..self }
-    }
-
-    /// The same where pixels watch `small_lights`.
-    #[must_use]
-    pub fn watching(self, small_lights: u32) -> Self {
-        Self {
-            small_lights,
-            ..self
-        }
     }
 
     /// Adds a block of the pixel `index`: `groups` are its groups' means.
@@ -281,6 +281,20 @@ mod tests {
             }
         }
         state
+    }
+
+    /// Rare bright hits and many dim ones stay apart: what adds more to the mean is kept.
+    #[test]
+    fn expected_hits_of_one_kind_add_up() {
+        let mut pixel = Pixel::default();
+        pixel.add_expected(100.0, 1.0);
+        pixel.add_expected(150.0, 1.0);
+        assert_eq!((pixel.expected_squares, pixel.expected_hits), (250.0, 2.0));
+        // Their square is 10⁸, and they add 10⁻² to the squared mean: less than those before.
+        pixel.add_expected(1e3, 1e-5);
+        assert_eq!((pixel.expected_squares, pixel.expected_hits), (250.0, 2.0));
+        pixel.add_expected(1e9, 1e-5);
+        assert_eq!((pixel.expected_squares, pixel.expected_hits), (1e9, 1e-5));
     }
 
     #[test]

@@ -64,10 +64,7 @@ fn lamp(radius: f64) -> Shape {
 
 /// Squares of radiance and hits, as near misses tell them, over all pixels.
 fn told(film: &Film) -> [f64; 2] {
-    let times = f64::from(film.small_lights);
-    let sum = |of: fn(&direkt::low_level::render::Pixel) -> f64| {
-        times * film.pixels.iter().map(of).sum::<f64>()
-    };
+    let sum = |of: fn(&direkt::low_level::render::Pixel) -> f64| film.pixels.iter().map(of).sum();
     [sum(|p| p.expected_squares), sum(|p| p.expected_hits)]
 }
 
@@ -154,4 +151,28 @@ fn only_what_shows_light_by_chance_is_watched() {
     assert!(watched(mirror(), 0.01));
     assert!(!watched(rough, 0.01));
     assert!(!watched(mirror(), 2.0), "it is found often enough");
+}
+
+/// Camera rays beside a lamp that no pixel shows are no near misses, though a mirror elsewhere makes it
+/// one to watch.
+#[test]
+fn a_lamp_beside_the_image_is_not_nearly_met() {
+    let behind_the_camera = Geometry::Sphere {
+        center: DVec3::new(0.0, 0.0, 5.0),
+        radius: 0.5,
+    };
+    let disk = Geometry::Disk {
+        center: DVec3::new(0.8, 0.0, -3.0),
+        u: 0.01 * DVec3::X,
+        v: 0.01 * DVec3::Y,
+    };
+    let mut scene = seen_in(
+        mirror(),
+        behind_the_camera,
+        vec![emitter(disk, RADIANCE, false)],
+    );
+    scene.render.stop.spp = 256;
+    let prepared = prepared(scene);
+    assert!(prepared.effects.contains(Effect::NearMisses));
+    assert_eq!(told(&render_prepared(context(), &prepared)), [0.0; 2]);
 }

@@ -12,6 +12,8 @@ pub enum Doubt {
     FewPixels(f64),
     /// What it is divided by pixel by pixel is not known well enough.
     Denominators,
+    /// The image's mean has this relative standard error.
+    Mean(f64),
     /// Small lights, which samples nearly met, should have added so many times as much.
     MissedLight(f64),
 }
@@ -28,6 +30,11 @@ impl fmt::Display for Doubt {
                 "small lights that samples nearly met should add {times:.1} times as much"
             ),
             Self::Denominators => f.write_str("pixels are too noisy to divide by"),
+            Self::Mean(relative) => write!(
+                f,
+                "the image's mean has a standard error of {:.0} %",
+                100.0 * relative
+            ),
         }
     }
 }

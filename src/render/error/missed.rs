@@ -13,6 +13,9 @@ use std::collections::BTreeMap;
 const UNLIKELY: f64 = 0.001;
 /// Expected hits from which on the image shows what they add.
 const MANY: f64 = 20.0;
+/// Expected hits of which an image hardly ever shows none, if they are right: with a probability of
+/// e⁻⁵. Rays nearly meet lights also where no mirror would show them.
+const SURE: f64 = 5.0;
 
 /// What near misses tell about pixels whose samples meet light of about the same radiance.
 #[derive(Debug, Clone, Default)]
@@ -29,31 +32,30 @@ pub(super) struct MissedLight(Vec<Kind>);
 
 impl MissedLight {
     pub(super) fn of(film: &Film) -> Self {
-        if film.small_lights == 0 {
-            return Self::default();
-        }
         let mut kinds: BTreeMap<i32, Kind> = BTreeMap::new();
-        // Each pixel watches one of them.
-        let times = f64::from(film.small_lights);
         for (i, pixel) in film.pixels.iter().enumerate() {
             let square = pixel.expected_squares / pixel.expected_hits;
             if square > 0.0 && square.is_finite() {
                 let kind = kinds.entry(square.log10().floor() as i32).or_default();
                 let n = pixel.samples as f64;
-                kind.hits += times * pixel.expected_hits;
-                let variance = times * pixel.expected_squares / (n * n);
-                kind.pixels.push((i, variance));
+                kind.hits += pixel.expected_hits;
+                kind.pixels.push((i, pixel.expected_squares / (n * n)));
             }
         }
         let unsure = |kind: &Kind| kind.hits >= UNLIKELY && kind.hits <= MANY;
         Self(kinds.into_values().filter(unsure).collect())
     }
 
-    /// What such light adds to the image's squared error, whose pixels count with their `weights`.
-    pub(super) fn sum(&self, weight: impl Fn(usize) -> f64) -> f64 {
+    /// What such light adds to the squared error of an image, which states `value`; its pixels count with
+    /// their `weights`.
+    pub(super) fn sum(&self, value: f64, weight: impl Fn(usize) -> f64) -> f64 {
         let kinds = self.0.iter().map(|kind| {
             let pixels = kind.pixels.iter();
             let variance: f64 = pixels.map(|&(i, variance)| weight(i) * variance).sum();
+            let of_one = variance / kind.hits;
+            if kind.hits > SURE && value < 0.5 * of_one {
+                return 0.0;
+            }
             variance * kind.hits.min(1.0)
         });
         kinds.sum()

@@ -25,7 +25,7 @@ mod standard_error;
 
 use super::film::Film;
 use crate::scene::ErrorMetric;
-use crate::stats::interval::Interval;
+use crate::stats::interval::{Interval, student};
 use chance::SquaredError;
 pub use doubt::Doubt;
 use evidence::Evidence;
@@ -130,7 +130,10 @@ impl Film {
         let of_mean = [1.0 / (3.0 * pixels * squared_mean); 3];
         let missed = MissedLight::of(self);
         let nmse = SquaredError::of(&evidence, |_| of_mean).stated(confidence);
-        let nmse = nmse.beside(missed.sum(|_| of_mean[0]));
+        let errors = self.standard_error_of_mean()?;
+        let of_channels = (errors[0] + errors[1] + errors[2]) / 3.0;
+        let nmse = nmse.over_square(of_channels / overall, confidence);
+        let nmse = nmse.beside(missed.sum(nmse.value, |_| of_mean[0]));
         if stop() {
             return None;
         }
@@ -145,6 +148,22 @@ impl Film {
 }
 
 impl StatedError {
+    /// The same where the mean whose square it is divided by has the relative standard error `relative`.
+    fn over_square(self, relative: f64, confidence: f64) -> Self {
+        let ends = |confidence: f64| {
+            let off = relative * student(f64::INFINITY, confidence);
+            [(1.0 + off).powi(-2), (1.0 - off).max(0.0).powi(-2)]
+        };
+        let ([low, high], [_, usual]) = (ends(confidence), ends(CONFIDENCE));
+        let unknown = || (usual > TOLD).then_some(Doubt::Mean(relative));
+        Self {
+            low: low * self.low,
+            high: high * self.high,
+            doubt: self.doubt.or_else(unknown),
+            ..self
+        }
+    }
+
     /// The same where small lights should add `expected`, whether samples have met them or not.
     fn beside(self, expected: f64) -> Self {
         let times = expected / self.value.max(f64::MIN_POSITIVE);

@@ -73,7 +73,7 @@ pub(super) fn relative(
         high,
         doubt,
     };
-    Some(error.beside(missed.sum(weight)))
+    Some(error.beside(missed.sum(value, weight)))
 }
 
 /// The same with denominators that know nothing of the errors above them: each replicate's variance

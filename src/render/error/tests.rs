@@ -309,6 +309,25 @@ fn a_look_that_nobody_waits_for_ends_without_an_error() {
     }
 }
 
+/// A sample that one replicate alone has met, as bright as all the rest of the image: the mean by which
+/// the error is divided is known no better than that.
+#[test]
+fn a_mean_that_one_sample_makes_is_a_doubt() {
+    let mut stream = Stream::new(12);
+    let mut film = normal_film(Sampler::Sobol, &mut stream);
+    let before = film.mean()[0];
+    let bright = before * film.pixels.len() as f64;
+    let pixel = &mut film.pixels[300];
+    for c in 0..3 {
+        pixel.mean[c] += bright;
+        pixel.m2[c] += pixel.samples as f64 * bright * bright;
+    }
+    let nmse = film.error().expect("two replicates").nmse;
+    let actual = nmse.value * film.mean()[0].powi(2) / before.powi(2);
+    assert!(matches!(nmse.doubt, Some(Doubt::Mean(relative)) if (0.3..0.7).contains(&relative)));
+    assert!(nmse.high > actual, "{nmse:?} {actual}");
+}
+
 /// Small lights that an image should have met a few times, each time adding more than all of the
 /// error that it shows, are a reason for doubt; those that no such image meets are not, nor those
 /// that all do.
@@ -317,7 +336,6 @@ fn light_that_should_have_been_met_is_a_doubt() {
     let mut stream = Stream::new(11);
     let mut doubt = |hits: f64| {
         let mut film = normal_film(Sampler::Sobol, &mut stream);
-        film.small_lights = 1;
         let n = film.pixels[0].samples as f64;
         let shown: f64 = film
             .variances()

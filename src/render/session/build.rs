@@ -199,7 +199,6 @@ impl<'a> Session<'a> {
     pub fn reframe(&mut self, prepared: &Prepared, film: FilmSize) -> Result<(), GpuError> {
         self.frame_data = frame_of(prepared, film, self.frame_data.seed);
         self.write_frame()?;
-        self.film.small_lights = prepared.small_lights.len() as u32;
         if film != self.film.size {
             self.film = new_film(prepared, film);
             self.progress = Progress::default();
@@ -213,8 +212,7 @@ impl<'a> Session<'a> {
         let groups = self.film.light_groups.len();
         self.film = Film::new(self.film.size, self.film.sampler)
             .with_light_groups(groups)
-            .in_units_of(self.film.unit)
-            .watching(self.film.small_lights);
+            .in_units_of(self.film.unit);
         let was_shared_out = self.progress.allocation.is_some();
         self.progress = Progress::default();
         if was_shared_out {
@@ -240,7 +238,6 @@ fn new_film(prepared: &Prepared, size: FilmSize) -> Film {
     Film::new(size, prepared.settings.estimator.sampler)
         .with_light_groups(groups)
         .in_units_of(prepared.emitters.unit)
-        .watching(prepared.small_lights.len() as u32)
 }
 
 /// How long a dispatch should take where nobody says otherwise.
