@@ -4,6 +4,7 @@ mod adaptive;
 mod aov;
 mod compensation;
 mod error;
+mod errors_of_random_scenes;
 mod invariance;
 mod ledger;
 mod lens;

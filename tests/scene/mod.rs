@@ -24,7 +24,7 @@ mod mesh_text;
 mod meshes;
 mod opacity;
 mod radiance;
-mod random_scenes;
+pub(crate) mod random_scenes;
 mod refine;
 mod repository;
 mod shadow_rays;
