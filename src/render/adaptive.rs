@@ -1,9 +1,10 @@
 //! Adaptive sampling: more samples where the error is.
 //!
 //! After a pilot, the same for all pixels, pixels take samples in proportion to the root of their
-//! relative squared error, which is what makes the sum of errors that fall with the inverse of the
-//! samples smallest at a given number of them (Neyman 1934). How large the error is in a block of 4
-//! × 2 pixels is told by the replicates of the pixels *around* the block. Its own samples have no
+//! squared error, which is what makes the sum of errors that fall with the inverse of the samples
+//! smallest at a given number of them (Neyman 1934). A pixel's error is the sum of its parts of the
+//! image's NMSE and of its relMSE, so that neither is had at the other's cost. How large it is in a
+//! block of 4 × 2 pixels is told by the replicates of the pixels *around* the block. Its own samples have no
 //! say: pixels that got more samples because their first ones were bright, or fewer because they
 //! were dark, would have a biased mean (Kirk & Arvo 1991, "Unbiased Sampling Techniques for Image
 //! Synthesis"). For the same reason the shares stay as the pilot gave them.
@@ -56,7 +57,7 @@ impl Allocation {
         let size = pilot.size;
         let blocks_per_row = size.width.div_ceil(BLOCK[0]);
         let blocks = 0..blocks_per_row * size.height.div_ceil(BLOCK[1]);
-        let errors = blocks.into_par_iter().map(|block| {
+        let errors = blocks.into_par_iter().map(|block| -> [f64; 2] {
             let corner = [block % blocks_per_row, block / blocks_per_row];
             let (mut squares, mut values, mut count) = ([0.0; 3], [0.0; 3], 0.0);
             for pixel in around(size, corner) {
@@ -66,11 +67,22 @@ impl Allocation {
                 }
                 count += 1.0;
             }
+            if count == 0.0 {
+                return [0.0; 2];
+            }
             let relative =
                 |c: usize| squares[c] * count / (values[c].powi(2) + floor * count * count);
-            let sum = relative(0) + relative(1) + relative(2);
-            if count > 0.0 { (sum / 3.0).sqrt() } else { 0.0 }
+            let absolute = |c: usize| squares[c] / count;
+            [
+                absolute(0) + absolute(1) + absolute(2),
+                relative(0) + relative(1) + relative(2),
+            ]
         });
+        let errors: Vec<[f64; 2]> = errors.collect();
+        let [absolute, relative] = sum(errors.par_iter().copied());
+        let part = |of: f64, all: f64| if all > 0.0 { of / all } else { 0.0 };
+        let errors = errors.par_iter();
+        let errors = errors.map(|e| (part(e[0], absolute) + part(e[1], relative)).sqrt());
         let errors: Vec<f64> = errors.collect();
         let [sum] = sum(errors.par_iter().map(|error| [*error]));
         let middle = sum / errors.len() as f64;
