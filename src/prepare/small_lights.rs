@@ -15,6 +15,8 @@ pub const MAX_SMALL_LIGHTS: usize = 32;
 /// How many times the solid angle of a pixel's rays, after they were reflected, a light and a lobe cover
 /// together from which on samples meet them often enough.
 const FOUND_OFTEN: f64 = 100.0;
+/// Their solid angle from which on one sample in 63 meets them even where a pixel's rays go all ways.
+const WIDEST: f64 = 0.2;
 
 /// How many times the mean of an environment map a texel is that counts as a light.
 const BRIGHT_TEXEL: f64 = 16.0;
@@ -107,7 +109,7 @@ pub(super) fn small_lights(
     let (side, distance) = pixel_of(&prepared.data, camera, film);
     let weight = |light: &SmallLight, shiny: &Shiny| {
         let width = light.width(shiny)?;
-        let is_small = width < FOUND_OFTEN * shiny.spread(side, distance);
+        let is_small = width < WIDEST.min(FOUND_OFTEN * shiny.spread(side, distance));
         is_small.then(|| light.weight(width))
     };
     let lights = (0..).zip(&prepared.emitters.lights);
