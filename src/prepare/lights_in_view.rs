@@ -8,9 +8,9 @@
 //! has several points of the pixel.
 
 use super::SceneData;
+use super::view::{Outline, View};
 use crate::accel::PrimitiveGeometry;
 use crate::emitters::{Emitter, Emitters, luminance};
-use crate::scene::{Camera, FilmSize};
 use glam::{DVec2, DVec3};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -68,7 +68,7 @@ impl LightInView {
 }
 
 /// What a camera sees of lights.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct InView {
     /// Those that are sampled there, in the order of their indices.
     pub sampled: Vec<LightInView>,
@@ -76,15 +76,9 @@ pub(super) struct InView {
     pub left_to_chance: Vec<u32>,
 }
 
-/// The lights among `emitters` that `camera` sees on a film of `size`. Those are sampled that add
-/// most to the sum of the pixels' variances; lights with an opacity and very flat ellipsoids never.
-pub(super) fn lights_in_view(
-    data: &SceneData,
-    camera: &Camera,
-    size: FilmSize,
-    emitters: &Emitters,
-) -> InView {
-    let view = View::new(camera, size, data);
+/// The lights among `emitters` that lie in `view`. Those are sampled that add most to the sum of the
+/// pixels' variances; lights with an opacity and very flat ellipsoids never.
+pub(super) fn lights_in_view(view: &View, data: &SceneData, emitters: &Emitters) -> InView {
     let lights = (0..).zip(&emitters.lights);
     let mut seen: Vec<Seen> = lights
         .filter_map(|(index, light)| view.sees(index, light, data))
@@ -100,7 +94,7 @@ pub(super) fn lights_in_view(
     }
     let mut sampled = Vec::new();
     let mut left_to_chance = Vec::new();
-    let mut rays_left = RAYS_PER_SAMPLE * size.pixels() as f64;
+    let mut rays_left = RAYS_PER_SAMPLE * view.size.element_product();
     for mut seen in seen {
         let is_small = seen.shape.map_or(seen.part, |shape| parts[&shape]) <= LARGEST_PART;
         if !is_small {
@@ -142,49 +136,23 @@ struct Seen {
     /// Pixels that it covers.
     pixels: f64,
     /// Pixels in which it is sampled: those that may show it, or that its edges cross.
-    edges: f64,
+    sampled_pixels: f64,
     radiance: f64,
 }
 
 impl Seen {
     /// What a sample of each pixel adds to the sum of their variances if chance finds it.
     fn variance(&self) -> f64 {
-        self.radiance * self.radiance * self.pixels.min(self.edges)
+        self.radiance * self.radiance * self.pixels.min(self.sampled_pixels)
     }
 
     /// Rays that a sample of each pixel sends to it, at most.
     fn rays(&self) -> f64 {
-        f64::from(self.light.per_sample) * self.edges
+        f64::from(self.light.per_sample) * self.sampled_pixels
     }
-}
-
-/// What a camera sees, normalised space.
-struct View {
-    camera: Camera,
-    /// Pixels per unit of the plane at distance 1, or where the camera is orthographic, of any.
-    scale: f64,
-    size: DVec2,
-    /// How far from its middle a pixel's filter reaches, in pixels.
-    reach: f64,
-    /// Whether small lights are left to chance: of a camera whose rays are parallel, or begin before
-    /// the eye because that is far away.
-    leaves_small_lights: bool,
 }
 
 impl View {
-    fn new(camera: &Camera, size: FilmSize, data: &SceneData) -> Self {
-        let distant = super::near_plane::is_distant(&data.normalization, camera);
-        let camera = data.normalization.camera(camera);
-        let height = f64::from(size.height);
-        Self {
-            scale: 0.5 * height / camera.half_height(),
-            leaves_small_lights: camera.is_orthographic() || distant,
-            camera,
-            size: DVec2::new(f64::from(size.width), height),
-            reach: data.scene.filter.radius,
-        }
-    }
-
     /// Light number `index`, where it is in view.
     fn sees(&self, index: u32, light: &Emitter, data: &SceneData) -> Option<Seen> {
         match *light {
@@ -260,7 +228,7 @@ impl View {
         let circle = PI * (self.scale * self.blur(depth)).powi(2);
         let out_of_focus = circle > 1.0 && (depth - lens.focus_distance).abs() > 2.0 * radius;
         let shown = high.min(self.size) - low.max(DVec2::ZERO);
-        let edges = if lens.radius > 0.0 {
+        let sampled = if lens.radius > 0.0 {
             shown.x * shown.y
         } else {
             // Those that the circumference of a convex shape crosses, and those that it touches.
@@ -282,90 +250,10 @@ impl View {
             can_be_sampled: true,
             part: pixels / if out_of_focus { circle } else { 1.0 },
             pixels,
-            edges: edges.min(shown.x * shown.y),
+            sampled_pixels: sampled.min(shown.x * shown.y),
             radiance,
         })
     }
-
-    /// The box on the film, in pixels, that holds the middles of all pixels that may show something
-    /// within `outline`.
-    fn bounds(&self, outline: &Outline) -> (DVec2, DVec2) {
-        let Outline {
-            to_middle,
-            radius,
-            corners,
-        } = *outline;
-        let depth = to_middle.dot(self.camera.forward);
-        let (nearest, farthest) = (depth - radius, depth + radius);
-        let (low, high) = match corners.map(|c| c.map(|c| self.project(c))) {
-            Some(seen) => (
-                seen.into_iter().fold(seen[0], DVec2::min),
-                seen.into_iter().fold(seen[0], DVec2::max),
-            ),
-            None => {
-                let length = self.stretch(to_middle) / self.depth_that_counts(nearest);
-                let (middle, extent) = (self.project(to_middle), DVec2::splat(length * radius));
-                (middle - extent, middle + extent)
-            }
-        };
-        let blur = self.scale * self.blur(nearest).max(self.blur(farthest));
-        let around = DVec2::splat(blur + self.reach);
-        let middle = 0.5 * self.size;
-        (
-            self.scale * low + middle - around,
-            self.scale * high + middle + around,
-        )
-    }
-
-    /// The depth by which lengths shrink: 1 where the camera is orthographic.
-    fn depth_that_counts(&self, depth: f64) -> f64 {
-        if self.camera.is_orthographic() {
-            1.0
-        } else {
-            depth
-        }
-    }
-
-    /// Where the film shows what is at `p` from the eye, over the plane at distance 1, from its middle
-    /// to the right and down.
-    fn project(&self, p: DVec3) -> DVec2 {
-        let across = DVec2::new(p.dot(self.camera.right), -p.dot(self.camera.up));
-        across / self.depth_that_counts(p.dot(self.camera.forward))
-    }
-
-    /// One over the squared cosine at the axis of the direction to `p`: lengths are so much larger on
-    /// the film than in the middle, at the same depth. 1 where the camera is orthographic.
-    fn stretch(&self, p: DVec3) -> f64 {
-        if self.camera.is_orthographic() {
-            1.0
-        } else {
-            1.0 + self.project(p).length_squared()
-        }
-    }
-
-    /// Of the way to `p`, by which solid angles are less than areas: 1 where the camera is orthographic.
-    fn squared_distance(&self, p: DVec3) -> f64 {
-        if self.camera.is_orthographic() {
-            1.0
-        } else {
-            p.length_squared()
-        }
-    }
-
-    /// Radius of the circle of confusion at `depth`, over the plane at distance 1.
-    fn blur(&self, depth: f64) -> f64 {
-        let lens = self.camera.lens;
-        lens.radius * (1.0 - depth / lens.focus_distance).abs() / self.depth_that_counts(depth)
-    }
-}
-
-/// What a light lies in, seen from the eye.
-struct Outline {
-    /// Middle of a sphere.
-    to_middle: DVec3,
-    radius: f64,
-    /// Corners of a shape that it lies in, where it is planar.
-    corners: Option<[DVec3; 4]>,
 }
 
 /// Corners of a triangle, or of a parallelogram around another planar one.

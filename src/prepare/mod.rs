@@ -6,6 +6,7 @@ pub mod near_plane;
 mod scene_data;
 mod shiny;
 pub mod small_lights;
+mod view;
 
 pub use scene_data::SceneData;
 
@@ -17,6 +18,7 @@ use lights_in_view::{LightInView, lights_in_view};
 use shiny::{Shiny, shiny_materials};
 use small_lights::{SmallLight, bright_texels, small_lights};
 use std::sync::Arc;
+use view::View;
 
 /// A scene made ready for one estimator: its lights, how they are chosen, and the effects that are
 /// compiled in.
@@ -128,8 +130,9 @@ impl Prepared {
         camera: &Camera,
         film: FilmSize,
     ) -> (Vec<LightInView>, Vec<SmallLight>) {
-        let in_view = lights_in_view(&self.data, camera, film, &self.emitters);
-        let small = small_lights(self, (camera, film), &in_view.left_to_chance);
+        let view = View::new(camera, film, &self.data);
+        let in_view = lights_in_view(&view, &self.data, &self.emitters);
+        let small = small_lights(self, &view, &in_view.left_to_chance);
         (in_view.sampled, small)
     }
 

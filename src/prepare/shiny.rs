@@ -1,10 +1,11 @@
 //! What shows small lights by chance: mirrors, glass and lobes, as flat or as curved as they are.
 
 use super::SceneData;
+use super::view::View;
 use crate::accel::octahedral::from_octahedral;
 use crate::accel::{Primitive, PrimitiveGeometry};
-use crate::scene::{Camera, FilmSize};
 use glam::{DVec2, DVec3};
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// What shows lights by chance.
@@ -24,35 +25,34 @@ impl Shiny {
         curvature: 0.0,
     };
 
-    /// At most the solid angle of the directions in which it sends the rays of a pixel that is `side`
-    /// wide at distance 1, at most `distance` away.
-    pub(super) fn spread(self, side: f64, distance: f64) -> f64 {
-        let turned = 2.0 * self.curvature * side * distance;
-        (side * side + turned * turned).min(4.0 * PI)
+    /// At most the solid angle of the directions in which it sends the rays of a pixel of `view`.
+    pub(super) fn spread(self, view: &View) -> f64 {
+        let [width, at_one] = view.pixel_widths();
+        let turned = 2.0 * self.curvature * width;
+        (at_one * at_one + turned * turned).min(4.0 * PI)
     }
 }
 
 /// The materials of the scene that reflect, each as curved as anything made of it. Normal maps count as
 /// flat.
 pub(super) fn shiny_materials(data: &SceneData) -> Vec<Shiny> {
-    let lobe_of = |material: &crate::scene::Material| {
-        let lobe = material.bsdf.parameters().specular?;
-        Some(Shiny {
-            lobe: 12.0 * PI * lobe.alpha * lobe.alpha,
-            curvature: 0.0,
-        })
-    };
-    let mut found: Vec<_> = data.scene.materials.iter().map(lobe_of).collect();
-    let mut is_used = vec![false; found.len()];
+    let materials = data.scene.materials.iter();
+    let lobe = |alpha: f64| 12.0 * PI * alpha * alpha;
+    let lobes = materials.map(|m| Some(lobe(m.bsdf.parameters().specular?.alpha)));
+    let lobes: Vec<_> = lobes.collect();
+    let mut found: BTreeMap<usize, Shiny> = BTreeMap::new();
     for (index, primitive) in data.primitives.iter().enumerate() {
         let material = primitive.material.index();
-        if let Some(shiny) = &mut found[material] {
-            is_used[material] = true;
+        if let Some(lobe) = lobes[material] {
+            let flat = Shiny {
+                lobe,
+                curvature: 0.0,
+            };
+            let shiny = found.entry(material).or_insert(flat);
             shiny.curvature = shiny.curvature.max(curvature(data, index, primitive));
         }
     }
-    let used = found.into_iter().zip(is_used).filter(|(_, used)| *used);
-    used.filter_map(|(shiny, _)| shiny).collect()
+    found.into_values().collect()
 }
 
 /// The largest curvature of primitive `index`.
@@ -78,17 +78,4 @@ fn curvature(data: &SceneData, index: usize, primitive: &Primitive) -> f64 {
         }
         PrimitiveGeometry::Rectangle { .. } | PrimitiveGeometry::Disk { .. } => 0.0,
     }
-}
-
-/// How wide a pixel is at distance 1 with what the lens adds to it, and how far away at most what it
-/// shows is; where rays are parallel, at any distance.
-pub(super) fn pixel_of(data: &SceneData, camera: &Camera, film: FilmSize) -> (f64, f64) {
-    let camera = data.normalization.camera(camera);
-    let side = 2.0 * camera.half_height() / f64::from(film.height);
-    if camera.is_orthographic() {
-        return (side, 1.0);
-    }
-    let blur = 2.0 * camera.lens.radius / camera.lens.focus_distance;
-    let distance = camera.eye.length() + data.normalization.reach;
-    (side + blur, distance)
 }

@@ -2,10 +2,11 @@
 //! (`shaders/kernel/near_misses.wesl`).
 
 use super::Prepared;
-use super::shiny::{Shiny, pixel_of};
+use super::shiny::Shiny;
+use super::view::View;
 use crate::accel::PrimitiveGeometry;
 use crate::emitters::{Emitter, luminance_over_sphere, mean_emission, row_height, texel_luminance};
-use crate::scene::{Camera, EnvironmentMap, EnvironmentRadiance, FilmSize, Light};
+use crate::scene::{EnvironmentMap, EnvironmentRadiance, Light};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
@@ -82,12 +83,6 @@ impl SmallLight {
         }
     }
 
-    /// The solid angle in which `shiny` shows it, seen from distance 1; none where it does not.
-    fn width(&self, shiny: &Shiny) -> Option<f64> {
-        let width = self.solid_angle() + shiny.lobe;
-        (width > 0.0).then_some(width)
-    }
-
     /// What it adds to the variance of what shows it in the solid angle `width`, at distance 1.
     fn weight(&self, width: f64) -> f64 {
         let irradiance = match self.extent {
@@ -98,37 +93,34 @@ impl SmallLight {
     }
 }
 
-/// The small lights that samples of `prepared` meet by chance where `camera` takes an image of `film`
-/// pixels: what mirrors, glass and lobes may show, and of `in_view`, those that the camera sees and
-/// that are not sampled there, what pixels do.
-pub(super) fn small_lights(
-    prepared: &Prepared,
-    (camera, film): (&Camera, FilmSize),
-    in_view: &[u32],
-) -> Vec<SmallLight> {
-    let (side, distance) = pixel_of(&prepared.data, camera, film);
-    let weight = |light: &SmallLight, shiny: &Shiny| {
-        let width = light.width(shiny)?;
-        let is_small = width < WIDEST.min(FOUND_OFTEN * shiny.spread(side, distance));
-        is_small.then(|| light.weight(width))
-    };
+/// The small lights that samples of `prepared` meet by chance in an image of `view`: what mirrors, glass
+/// and lobes may show, and of `in_view`, those that the camera sees and that are not sampled there, what
+/// pixels do.
+pub(super) fn small_lights(prepared: &Prepared, view: &View, in_view: &[u32]) -> Vec<SmallLight> {
+    // Lobes, each with the solid angle below which what it shows is small.
+    let limited = |shiny: &Shiny| (shiny.lobe, WIDEST.min(FOUND_OFTEN * shiny.spread(view)));
+    let by_camera = limited(&Shiny::CAMERA);
+    let by_materials: Vec<_> = prepared.shiny.iter().map(limited).collect();
     let lights = (0..).zip(&prepared.emitters.lights);
+    let lights = lights.filter(|(index, _)| !by_materials.is_empty() || in_view.contains(index));
     let lights = lights.filter_map(|(index, light)| of_light(prepared, index, light));
     let lights = lights.chain(prepared.bright_texels.iter().copied());
-    let camera = prepared.data.normalization.camera(camera);
     let small = lights.filter_map(|light| {
         let is_in_view = match light.light {
             Some(index) => in_view.contains(&index),
-            None => is_direction_in_view(&camera, film, light.place),
+            None => view.shows_direction(light.place),
         };
-        let by_camera = is_in_view.then_some(&Shiny::CAMERA);
-        let shown_by = prepared.shiny.iter().chain(by_camera);
-        let weights = shown_by.filter_map(|shiny| weight(&light, shiny));
+        let shown_by = by_materials.iter().chain(is_in_view.then_some(&by_camera));
+        let widths = shown_by.filter_map(|(lobe, limit)| {
+            let width = light.solid_angle() + lobe;
+            (width > 0.0 && width < *limit).then_some(width)
+        });
+        let weight = light.weight(widths.reduce(f64::min)?);
         let light = SmallLight {
             is_in_view,
             ..light
         };
-        Some((weights.reduce(f64::max)?, light))
+        Some((weight, light))
     });
     let mut small: Vec<_> = small.collect();
     small.sort_by(|(a, _), (b, _)| b.total_cmp(a));
@@ -141,17 +133,6 @@ pub(super) fn small_lights(
         ..light
     });
     stronger.collect()
-}
-
-/// Whether `camera`, normalised space, shows what is infinitely far away in the unit direction `direction`;
-/// true where its rays are parallel.
-fn is_direction_in_view(camera: &Camera, film: FilmSize, direction: DVec3) -> bool {
-    let depth = direction.dot(camera.forward);
-    let half_height = camera.half_height() * depth;
-    camera.is_orthographic()
-        || depth > 0.0
-            && direction.dot(camera.up).abs() <= half_height
-            && direction.dot(camera.right).abs() <= half_height * film.aspect()
 }
 
 fn of_light(prepared: &Prepared, index: u32, light: &Emitter) -> Option<SmallLight> {

@@ -27,7 +27,7 @@ struct Kind {
 }
 
 /// What near misses tell about a film.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct MissedLight(Vec<Kind>);
 
 impl MissedLight {
