@@ -4,10 +4,10 @@
 //! squared error, which is what makes the sum of errors that fall with the inverse of the samples
 //! smallest at a given number of them (Neyman 1934). A pixel's error is the sum of its parts of the
 //! image's NMSE and of its relMSE, so that neither is had at the other's cost. How large it is in a
-//! block of 4 × 2 pixels is told by the replicates of the pixels *around* the block. Its own samples have no
-//! say: pixels that got more samples because their first ones were bright, or fewer because they
-//! were dark, would have a biased mean (Kirk & Arvo 1991, "Unbiased Sampling Techniques for Image
-//! Synthesis"). For the same reason the shares stay as the pilot gave them.
+//! block of 4 × 2 pixels is told by the replicates of the pixels *around* the block. Its own samples
+//! have no say: pixels that got more samples because their first ones were bright, or fewer because
+//! they were dark, would have a biased mean (Kirk & Arvo 1991, "Unbiased Sampling Techniques for
+//! Image Synthesis"). For the same reason the shares stay as the pilot gave them.
 //!
 //! Every pixel has a power of two of samples at any time, which is what stratified samplers are
 //! best at.
@@ -80,9 +80,11 @@ impl Allocation {
         });
         let errors: Vec<[f64; 2]> = errors.collect();
         let [absolute, relative] = sum(errors.par_iter().copied());
-        let part = |of: f64, all: f64| if all > 0.0 { of / all } else { 0.0 };
+        if absolute <= 0.0 || relative <= 0.0 {
+            return None;
+        }
         let errors = errors.par_iter();
-        let errors = errors.map(|e| (part(e[0], absolute) + part(e[1], relative)).sqrt());
+        let errors = errors.map(|e| (e[0] / absolute + e[1] / relative).sqrt());
         let errors: Vec<f64> = errors.collect();
         let [sum] = sum(errors.par_iter().map(|error| [*error]));
         let middle = sum / errors.len() as f64;
