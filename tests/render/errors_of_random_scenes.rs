@@ -3,22 +3,16 @@
 use crate::scene::random_scenes::{random_scene, write_textures};
 use crate::support::{context, take};
 use direkt::low_level::prepare::{Patterns, Prepared};
-use direkt::low_level::render::{Film, Session, StatedError};
+use direkt::low_level::render::{Session, StatedError};
 use direkt::scene::{FilmSize, Sampler};
+use direkt_instruments::cost::error::mean_errors;
+use direkt_instruments::cost::reference::Reference;
 
 const SCENES: u64 = 10;
 /// Images of each scene, uniform and adaptive.
 const IMAGES: u32 = 12;
 /// Samples per pixel of the truth, whose seed is another.
 const OF_TRUTH: u64 = 4096;
-
-/// The NMSE of `film` against `truth`.
-fn actual(film: &Film, truth: &Film) -> f64 {
-    let mean = truth.mean().iter().sum::<f64>() / 3.0;
-    let pixels = film.pixels.iter().zip(&truth.pixels);
-    let squares = pixels.map(|(a, b)| (0..3).map(|c| (a.mean[c] - b.mean[c]).powi(2)).sum::<f64>());
-    squares.sum::<f64>() / (3.0 * film.pixels.len() as f64 * mean * mean)
-}
 
 /// What images state, each beside its actual error.
 #[derive(Default)]
@@ -67,6 +61,8 @@ fn errors_hold_on_scenes_that_nobody_chose() {
         let mut session = Session::new(context(), &prepared, prepared.film, 99_991).unwrap();
         take(&mut session, OF_TRUTH);
         let truth = session.snapshot().unwrap().0;
+        let mean = truth.mean().iter().sum::<f64>() / 3.0;
+        let reference = Reference::exact(truth.pixels.iter().map(|p| p.mean).collect());
         for adaptive in [false, true] {
             session.set_adaptive(adaptive);
             for image in 0..IMAGES {
@@ -75,7 +71,8 @@ fn errors_hold_on_scenes_that_nobody_chose() {
                     take(&mut session, samples);
                     let film = session.snapshot().unwrap().0;
                     let stated = film.error().unwrap().nmse;
-                    tally.add(stated, actual(&film, &truth));
+                    let [mse, _] = mean_errors(&film, &reference);
+                    tally.add(stated, mse / (mean * mean));
                 }
             }
         }

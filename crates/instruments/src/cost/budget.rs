@@ -1,6 +1,6 @@
 //! How the budget is spent.
 
-use super::error::{Errors, MeasuredError, rel_mse, relative_errors};
+use super::error::{Errors, MeasuredError, mean_errors, relative_errors};
 use super::estimator::NotApplicable;
 use super::interrupted::Interrupted;
 use super::measures::{Point, time_spread};
@@ -320,7 +320,7 @@ impl<'a, 's> Work<'a, 's> {
             passes: run.passes,
             rays: run.rays,
             rays_per_second: run.rays.total() as f64 / run.seconds,
-            rel_mse: rel_mse(&run.film, reference),
+            rel_mse: mean_errors(&run.film, reference)[1],
             relative_errors: relative_errors(&run.film, reference),
             film: run.film,
         })

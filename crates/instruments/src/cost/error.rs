@@ -142,11 +142,13 @@ pub fn relative_errors(film: &Film, reference: &Reference) -> Vec<f64> {
     squared.into_iter().map(|s| s[1].sqrt()).collect()
 }
 
-/// relMSE of one image, the reference's own error subtracted, without an interval.
-pub fn rel_mse(film: &Film, reference: &Reference) -> f64 {
+/// Mean squared error and relMSE of one image, the reference's own subtracted, without intervals.
+pub fn mean_errors(film: &Film, reference: &Reference) -> [f64; 2] {
     let squared = squared_errors(film, reference);
-    let sum: f64 = squared.iter().map(|s| s[1]).sum();
-    sum / squared.len() as f64 - reference.own_error().value[1]
+    [0, 1].map(|k| {
+        let sum: f64 = squared.iter().map(|s| s[k]).sum();
+        sum / squared.len() as f64 - reference.own_error().value[k]
+    })
 }
 
 #[cfg(test)]
@@ -218,7 +220,7 @@ mod tests {
             pixel.mean = [3.0, 2.0, 2.0];
         }
         let expected = 1.0 / (4.0 + 0.01 * 4.0) / 3.0;
-        assert!((rel_mse(&film, &reference) - expected).abs() < 1e-12);
+        assert!((mean_errors(&film, &reference)[1] - expected).abs() < 1e-12);
         assert!((relative_errors(&film, &reference)[7] - expected.sqrt()).abs() < 1e-12);
     }
 }
