@@ -280,13 +280,18 @@ impl Rules<'_> {
 
     pub(super) fn light_tree(&self) -> Option<String> {
         let tree = matches!(self.emitters.selection, Some(Selection::Tree(_)));
-        let lights = self.emitters.lights.len();
-        tree.then(|| format!("light_selection = \"tree\", {lights} lights"))
+        tree.then(|| self.by_selection())
     }
 
     pub(super) fn all_lights(&self) -> Option<String> {
         let all = matches!(self.emitters.selection, Some(Selection::All(_)));
-        all.then(|| format!("light selection all, {} lights", self.emitters.lights.len()))
+        all.then(|| self.by_selection())
+    }
+
+    fn by_selection(&self) -> String {
+        let asked = self.settings.estimator.light_selection;
+        let lights = self.emitters.lights.len();
+        format!("light_selection = \"{asked}\", {lights} lights")
     }
 
     /// Whether some light that is sampled has a surface, or is the environment.

@@ -22,6 +22,7 @@ use crate::scene::{
 };
 use emission_map::{Varies, of_primitives};
 use glam::DVec3;
+use selection::selection_for;
 use std::f64::consts::PI;
 use tree::TreeLight;
 
@@ -106,11 +107,6 @@ impl Emitters {
         primitives: &[Primitive],
         settings: &RenderSettings,
     ) -> Self {
-        let EstimatorSettings {
-            strategy,
-            light_selection: selection,
-            ..
-        } = settings.estimator;
         let Surfaces {
             mut lights,
             mut power,
@@ -143,7 +139,9 @@ impl Emitters {
                 lights.push(Emitter::Environment);
                 groups.push(scene.light_groups.of_environment());
                 if let EnvironmentRadiance::Map(map) = &environment.radiance {
-                    grid = if settings.estimator.mis_compensation && strategy.is_mis() {
+                    grid = if settings.estimator.mis_compensation
+                        && settings.estimator.strategy.is_mis()
+                    {
                         EnvironmentGrid::compensated(map)
                     } else {
                         EnvironmentGrid::new(map)
@@ -151,22 +149,10 @@ impl Emitters {
                 }
             }
         }
-        let weights: Vec<f64> = lights
-            .iter()
-            .zip(&power)
-            .map(|(light, &power)| match (strategy, light, selection) {
-                (s, Emitter::Area { .. } | Emitter::Sun(_) | Emitter::Environment, _)
-                    if !s.samples_lights() =>
-                {
-                    0.0
-                }
-                (_, _, LightSelection::Uniform | LightSelection::Tree | LightSelection::All) => 1.0,
-                (_, _, LightSelection::Power) => power,
-            })
-            .collect();
+        let (selection, weights) = weights(&settings.estimator, &lights, &power);
         let tree = match selection {
             LightSelection::Tree => tree_over(&lights, &weights, primitives, &maps),
-            LightSelection::Uniform | LightSelection::Power | LightSelection::All => None,
+            _ => None,
         };
         let unit = unit::of(scene, &lights, &maps);
         let table = || Selection::new(&weights, selection);
@@ -290,6 +276,24 @@ impl Surfaces {
         });
         true
     }
+}
+
+/// How `lights` are selected, and the weights that they are chosen by; 0 where a light is not sampled.
+fn weights(
+    settings: &EstimatorSettings,
+    lights: &[Emitter],
+    power: &[f64],
+) -> (LightSelection, Vec<f64>) {
+    let samples_all = settings.strategy.samples_lights();
+    let is_sampled = |light: &Emitter| samples_all || matches!(light, Emitter::Delta(_));
+    let sampled = lights.iter().filter(|light| is_sampled(light)).count();
+    let selection = selection_for(settings.light_selection, sampled);
+    let weight = |(light, &power): (&Emitter, &f64)| match selection {
+        _ if !is_sampled(light) => 0.0,
+        LightSelection::Power => power,
+        _ => 1.0,
+    };
+    (selection, lights.iter().zip(power).map(weight).collect())
 }
 
 /// The light tree over those `lights` whose weight is positive. `None` where fewer than two of them

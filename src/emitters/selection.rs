@@ -15,6 +15,21 @@ pub enum Selection {
     All(Vec<bool>),
 }
 
+/// Most lights that all have shadow rays of their own where no selection is asked for.
+const FEW: usize = 8;
+
+/// What `asked` comes to where so many lights are sampled.
+pub(super) fn selection_for(asked: LightSelection, lights: usize) -> LightSelection {
+    match asked {
+        LightSelection::Auto if lights <= FEW => LightSelection::All,
+        LightSelection::Auto => LightSelection::Tree,
+        LightSelection::Uniform
+        | LightSelection::Power
+        | LightSelection::Tree
+        | LightSelection::All => asked,
+    }
+}
+
 impl Selection {
     /// The selection for lights of these weights, which are finite and not negative; a light of
     /// weight 0 is never sampled. `None` when no weight is positive. A single light is chosen,

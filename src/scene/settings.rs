@@ -123,10 +123,13 @@ choice! {
 choice! {
     /// How one of several lights is chosen.
     pub enum LightSelection {
+        /// Where there are few, none is: every light gets shadow rays of its own. Of many one is
+        /// chosen by the light tree.
+        #[default]
+        Auto,
         /// All with the same probability.
         Uniform,
         /// In proportion to emitted power.
-        #[default]
         Power,
         /// In proportion to an estimate of what a light may contribute to the surface, by a tree
         /// over the lights (Conty Estevez & Kulla 2018): for many lights.

@@ -318,9 +318,10 @@ impl Check<'_> {
         )?;
         let samples = match render.estimator.light_selection {
             LightSelection::All => scene.samples_of_all_lights(render),
-            LightSelection::Uniform | LightSelection::Power | LightSelection::Tree => {
-                u64::from(rays)
-            }
+            LightSelection::Auto
+            | LightSelection::Uniform
+            | LightSelection::Power
+            | LightSelection::Tree => u64::from(rays),
         };
         self.require(
             samples <= MAX_LIGHT_SAMPLES,

@@ -76,30 +76,24 @@ fn what_a_sample_takes_is_told() {
     assert!(facts["functions"].as_u64() > Some(20));
     let rays = &facts["rays"];
     let of = |kind: &str| rays[kind].as_f64().unwrap();
-    assert_eq!((of("camera"), of("shadow"), of("bsdf")), (1.0, 1.0, 1.0));
+    assert_eq!((of("camera"), of("shadow"), of("bsdf")), (1.0, 5.0, 1.0));
     let numbers = facts["random_numbers"].as_array().unwrap();
     let purposes: Vec<_> = numbers
         .iter()
         .map(|n| n["purpose"].as_str().unwrap())
         .collect();
-    let expected = [
-        "film",
-        "lens",
-        "light point",
-        "light choice",
-        "lobe",
-        "direction",
-    ];
+    let expected = ["film", "lens", "light point", "lobe", "direction"];
     assert_eq!(purposes, expected);
-    assert_eq!(facts["random_numbers_per_sample"], 10);
+    assert_eq!(facts["random_numbers_per_sample"], 17);
     let memory = facts["memory"].as_array().unwrap().iter();
     let sum: u64 = memory.map(|m| m["bytes"].as_u64().unwrap()).sum();
     assert_eq!(facts["memory_bytes"], sum);
     let (_, stdout, _) = run(&["explain", "scenes/depth_of_field.toml"]);
     for part in [
         "depth-of-field         camera.lens_radius = 0.16",
-        "random numbers per sample: 10 (film 0–1, lens 2–3,",
-        "rays per sample, at most: 3.00 (camera 1.00, shadow 1.00, BSDF 1.00)",
+        "all-lights             light_selection = \"auto\", 5 lights",
+        "random numbers per sample: 17 (film 0–1, lens 2–3, light point 64 and on × 5,",
+        "rays per sample, at most: 7.00 (camera 1.00, shadow 5.00, BSDF 1.00)",
         "direct.pixels",
     ] {
         assert!(stdout.contains(part), "{part} is missing:\n{stdout}");

@@ -62,7 +62,7 @@ fn explain_takes_flags_and_names_what_they_call_for() {
     let (code, stdout, stderr) = run(&arguments);
     assert_eq!(code, 0, "{stderr}");
     for part in [
-        "all-lights             light selection all, 5 lights",
+        "all-lights             light_selection = \"all\", 5 lights",
         "shadow-rays            shadow_rays = 4",
         "grid-pattern           shadow_pattern = \"grid\"",
         "warning: shadow_pattern",

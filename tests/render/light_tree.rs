@@ -173,3 +173,27 @@ fn a_tree_is_called_for_by_two_lights() {
     scene.lights.push(point_light(0.5 * DVec3::Z, 1.0));
     assert!(calls(&scene, Strategy::Bsdf).is_some());
 }
+
+/// Unless a scene says otherwise every one of few lights has its own samples, and one of many is chosen by
+/// the tree: of those that are sampled, which with BSDF sampling alone are those without a surface.
+#[test]
+fn all_of_few_lights_are_sampled_and_one_of_many() {
+    let calls = |points: usize, strategy: Strategy| {
+        let mut scene = floor_pixel();
+        scene.shapes.push(emitter(unit_square(), 1.0, false));
+        for i in 1..=points {
+            scene
+                .lights
+                .push(point_light(DVec3::Z / (i as f64 + 1.0), 1.0));
+        }
+        scene.render.estimator.strategy = strategy;
+        let effects = prepared(scene).effects;
+        [Effect::AllLights, Effect::LightTree].map(|effect| effects.contains(effect))
+    };
+    assert_eq!(calls(0, Strategy::MisPower), [false, false]);
+    assert_eq!(calls(1, Strategy::MisPower), [true, false]);
+    assert_eq!(calls(7, Strategy::MisPower), [true, false]);
+    assert_eq!(calls(8, Strategy::MisPower), [false, true]);
+    assert_eq!(calls(8, Strategy::Bsdf), [true, false]);
+    assert_eq!(calls(9, Strategy::Bsdf), [false, true]);
+}

@@ -42,14 +42,15 @@ impl Estimator {
     pub fn effective(self, prepared: &Prepared) -> Self {
         let calls_for = |effect| prepared.effects.contains(effect);
         let mut settings = self.settings;
-        let by_table = match settings.light_selection {
-            LightSelection::Tree => LightSelection::Uniform,
-            other => other,
-        };
-        settings.light_selection = if calls_for(Effect::AllLights) || calls_for(Effect::LightTree) {
-            settings.light_selection
+        settings.light_selection = if calls_for(Effect::AllLights) {
+            LightSelection::All
+        } else if calls_for(Effect::LightTree) {
+            LightSelection::Tree
         } else if calls_for(Effect::LightChoice) {
-            by_table
+            match settings.light_selection {
+                LightSelection::Power => LightSelection::Power,
+                _ => LightSelection::Uniform,
+            }
         } else {
             LightSelection::default()
         };
