@@ -10,7 +10,8 @@
 //! serve, and the larger sum of the two counts: the scatter of the first replicate's samples times
 //! that of the second's, which needs no neighbours but misses light that one of them has not met;
 //! and a pixel's squared half difference times that of the pixels around, which misses what single
-//! pixels have to themselves.
+//! pixels have to themselves. Neither knows of a bright sample that one replicate alone has met, in
+//! one pixel alone; so the sum counts as no less than the square of what that pixel adds.
 
 use super::evidence::Evidence;
 use crate::render::neighbourhood::{box_mean, mean_of_others};
@@ -77,12 +78,13 @@ impl SquaredError {
         // Σ4V² by the two products.
         let by_replicates = weighted.par_iter().map(|w| [4.0 * w[2] * w[3]]);
         let [by_replicates] = sum(by_replicates);
-        let variance = by_replicates.max(by_neighbours(&weighted, evidence.size));
+        let around = by_neighbours(&weighted, evidence.size);
         let parts = weighted.par_iter().map(|w| w[which]);
+        let largest = parts.clone().reduce(|| 0.0, f64::max);
         Self {
-            sum: sum(parts.clone().map(|part| [part]))[0],
-            largest: parts.reduce(|| 0.0, f64::max),
-            variance,
+            sum: sum(parts.map(|part| [part]))[0],
+            largest,
+            variance: by_replicates.max(around).max(4.0 * largest * largest),
             replicates,
         }
     }
