@@ -185,37 +185,26 @@ fn an_error_of_one_pixel_cannot_be_told() {
     assert!((coverage - 0.95).abs() < 0.045, "{coverage}");
 }
 
-/// A bright sample that one replicate of one pixel alone has met: the fifth of the error that it holds
-/// is known to no more than 25 degrees of freedom.
+/// Adds to pixel `i` a sample that its first replicate alone has met and that raises its mean by `bright`.
+fn meet_once(film: &mut Film, i: usize, bright: f64) {
+    let pixel = &mut film.pixels[i];
+    let n = pixel.samples as f64;
+    for c in 0..3 {
+        pixel.mean[c] += bright;
+        pixel.m2[c] += n * (n - 1.0) * bright * bright;
+    }
+}
+
+/// The fifth of the error that one such sample holds is known to no more than 25 degrees of freedom.
 #[test]
 fn what_one_replicate_alone_has_met_widens_the_interval() {
-    const PIXEL: usize = 500;
-    let squares = |i: usize| truth(i).map(|t| t * t).iter().sum::<f64>();
-    let others: f64 = (0..48 * 40).map(squares).sum();
-    // Half the square of the replicates' standard deviation is what a pixel adds.
-    let bright = (0.25 * others / squares(PIXEL) * 0.1_f64.powi(2) * 2.0).sqrt();
-    let mut stream = Stream::new(7);
-    let mut image = |bright: f64| {
-        let film = film(Sampler::Sobol, |i| {
-            let [a, b] = [0, 1].map(|_| normal(&mut stream, Sampler::Sobol));
-            if i != PIXEL || bright == 0.0 {
-                return [a, b];
-            }
-            let met = Replicate {
-                error: bright,
-                m2: bright * bright * (HALF * (HALF - 1)) as f64,
-            };
-            [
-                met,
-                Replicate {
-                    error: 0.0,
-                    m2: 0.0,
-                },
-            ]
-        });
-        film.error().expect("two replicates").nmse
-    };
-    let [without, with] = [0.0, bright].map(&mut image);
+    let mut film = normal_film(Sampler::Sobol, &mut Stream::new(7));
+    let nmse = |film: &Film| film.error().expect("two replicates").nmse;
+    let without = nmse(&film);
+    let mean = film.mean().iter().sum::<f64>() / 3.0;
+    let squared = 0.25 * without.value * film.pixels.len() as f64 * mean * mean;
+    meet_once(&mut film, 500, squared.sqrt());
+    let with = nmse(&film);
     assert!(without.high < 1.2 * without.value, "{without:?}");
     assert!(with.high > 2.0 * with.value, "{with:?}");
     assert!(
@@ -348,23 +337,28 @@ fn a_look_that_nobody_waits_for_ends_without_an_error() {
     }
 }
 
-/// Twenty samples that one replicate alone has met, half as bright each as all the rest of the image: the
-/// mean by which the error is divided is known no better than that.
+/// A sample that one replicate alone has met, as bright as all the rest of the image: the mean by which
+/// the error is divided is known no better than the error, which is one pixel's. Twenty of them in as many
+/// pixels, half as bright each, leave the mean as the doubt.
 #[test]
 fn a_mean_that_few_samples_make_is_a_doubt() {
-    let mut stream = Stream::new(12);
-    let mut film = normal_film(Sampler::Sobol, &mut stream);
-    let before = film.mean()[0];
-    let bright = 0.5 * before * film.pixels.len() as f64;
-    for pixel in film.pixels.iter_mut().step_by(100) {
-        for c in 0..3 {
-            pixel.mean[c] += bright;
-            pixel.m2[c] += pixel.samples as f64 * bright * bright;
+    let image = |pixels: &[usize], bright: f64| {
+        let mut film = normal_film(Sampler::Sobol, &mut Stream::new(12));
+        let before = film.mean()[0];
+        for &i in pixels {
+            let bright = bright * before * film.pixels.len() as f64;
+            meet_once(&mut film, i, bright);
         }
-    }
-    let nmse = film.error().expect("two replicates").nmse;
+        let nmse = film.error().expect("two replicates").nmse;
+        (nmse, nmse.value * (film.mean()[0] / before).powi(2))
+    };
+    let (nmse, actual) = image(&[300], 1.0);
+    assert!(matches!(nmse.doubt, Some(Doubt::OnePixel(part)) if part > 0.9));
+    assert!(nmse.high > actual, "{nmse:?} {actual}");
+    let twenty: Vec<usize> = (0..20).map(|i| 96 * i).collect();
+    let (nmse, _) = image(&twenty, 0.5);
     assert!(matches!(nmse.doubt, Some(Doubt::Mean(relative)) if (0.18..0.23).contains(&relative)));
-    assert!(nmse.high > nmse.value * 2.5, "{nmse:?}");
+    assert!(nmse.high > 2.5 * nmse.value, "{nmse:?}");
 }
 
 /// Small lights that an image should have met a few times, each time adding more than all of the
