@@ -3,35 +3,46 @@
 //! After a pilot, the same for all pixels, pixels take samples in proportion to the root of their
 //! squared error, which is what makes the sum of errors that fall with the inverse of the samples
 //! smallest at a given number of them (Neyman 1934). A pixel's error is the sum of its parts of the
-//! image's NMSE and of its relMSE, so that neither is had at the other's cost. How large it is in a
-//! block of 4 × 2 pixels is told by the replicates of the pixels *around* the block. Its own samples
-//! have no say: pixels that got more samples because their first ones were bright, or fewer because
-//! they were dark, would have a biased mean (Kirk & Arvo 1991, "Unbiased Sampling Techniques for
-//! Image Synthesis"). For the same reason the shares stay as the pilot gave them.
+//! image's NMSE and of its relMSE, so that neither is had at the other's cost.
+//!
+//! The pilot's samples say where the others go and are not part of the image. If they were, pixels
+//! that got more samples because their first ones were bright, or fewer because they were dark,
+//! would have a biased mean (Kirk & Arvo 1991, "Unbiased Sampling Techniques for Image Synthesis").
+//! As they are not, a pixel's own samples can say how large its error is: a bright light that is
+//! mirrored in one pixel is found where it is. For the same reason the shares stay as the pilot
+//! gave them.
 //!
 //! Every pixel has a power of two of samples at any time, which is what stratified samplers are
 //! best at.
 
-use super::film::Film;
+use super::film::{Film, Pixel};
+use super::neighbourhood::box_mean;
 use crate::scene::FilmSize;
 use crate::stats::sums::sum;
 use rayon::prelude::*;
 
 /// Samples of the pilot; later powers of two where it found no light.
-pub(super) const PILOT: u64 = 16;
+pub(super) const PILOT: u64 = 8;
+/// Index of the first sample after the pilot: far enough from the pilot's that samplers which
+/// stratify take it from a sequence of its own.
+pub(super) const FIRST: u64 = 1 << 33;
+/// Samples of a pixel at the least, one of each replicate.
+const FEWEST: u64 = 2;
 /// Columns and rows of a block of pixels that have the same number of samples: eight neighbouring
 /// lanes of the kernel.
 const BLOCK: [u32; 2] = [4, 2];
-/// Pixels on each side of a block that tell its error.
-const RADIUS: u32 = 2;
+/// Pixels on each side of a pixel that help to tell its error.
+const RADIUS: usize = 2;
+/// The part of its block's error from which on a pixel has a number of samples of its own.
+const ALONE: f64 = 0.5;
 /// Classes to an octave of samples.
 const PER_OCTAVE: u32 = 8;
 /// Octaves between the pixels with fewest and with most samples.
-const OCTAVES: u32 = 7;
+const OCTAVES: u32 = 12;
 /// Classes of pixels.
 pub(super) const CLASSES: usize = (PER_OCTAVE * OCTAVES) as usize;
-/// The class of a pixel with the mean error: eight times fewer samples at the least, sixteen times
-/// more at most.
+/// The class of a pixel with the mean error: eight times fewer samples at the least, 500 times more
+/// at most.
 const MIDDLE: f64 = (3 * PER_OCTAVE) as f64;
 
 /// How samples are shared out among pixels.
@@ -47,69 +58,45 @@ pub(super) struct Allocation {
 
 impl Allocation {
     /// How those after the `pilot`, of `samples` per pixel, are shared out; `None` while a pixel
-    /// has not two samples, or no difference between replicates tells where the error is.
+    /// has not two samples, or their differences do not tell pixels apart.
     pub(crate) fn after(pilot: &Film, samples: u64) -> Option<Self> {
-        let mean = pilot.mean();
-        let overall = (mean[0] + mean[1] + mean[2]) / 3.0;
-        let floor = 0.01 * overall * overall;
-        let halves: Option<Vec<_>> = pilot.pixels.iter().map(|p| p.half_difference()).collect();
-        let halves = halves?;
         let size = pilot.size;
-        let blocks_per_row = size.width.div_ceil(BLOCK[0]);
-        let blocks = 0..blocks_per_row * size.height.div_ceil(BLOCK[1]);
-        let errors = blocks.into_par_iter().map(|block| -> [f64; 2] {
-            let corner = [block % blocks_per_row, block / blocks_per_row];
-            let (mut squares, mut values, mut count) = ([0.0; 3], [0.0; 3], 0.0);
-            for pixel in around(size, corner) {
-                for c in 0..3 {
-                    squares[c] += halves[pixel][c].powi(2);
-                    values[c] += pilot.pixels[pixel].mean[c];
-                }
-                count += 1.0;
-            }
-            if count == 0.0 {
-                return [0.0; 2];
-            }
-            let relative =
-                |c: usize| squares[c] * count / (values[c].powi(2) + floor * count * count);
-            let absolute = |c: usize| squares[c] / count;
-            [
-                absolute(0) + absolute(1) + absolute(2),
-                relative(0) + relative(1) + relative(2),
-            ]
-        });
-        let errors: Vec<[f64; 2]> = errors.collect();
-        let [absolute, relative] = sum(errors.par_iter().copied());
-        if absolute <= 0.0 || relative <= 0.0 {
-            return None;
-        }
-        let errors = errors.par_iter();
-        let errors = errors.map(|e| (e[0] / absolute + e[1] / relative).sqrt());
-        let errors: Vec<f64> = errors.collect();
-        let [sum] = sum(errors.par_iter().map(|error| [*error]));
-        let middle = sum / errors.len() as f64;
+        let errors = in_blocks(size, &errors(pilot)?);
+        let roots: Vec<f64> = errors.par_iter().map(|error| error.sqrt()).collect();
+        let [sum] = sum(roots.par_iter().map(|root| [*root]));
+        let middle = sum / roots.len() as f64;
         if !(middle > 0.0 && middle.is_finite()) {
             return None;
         }
         let highest = (CLASSES - 1) as f64;
-        let class = |error: f64| {
-            let octaves = (error / middle).max(f64::MIN_POSITIVE).log2();
+        let class = |root: &f64| {
+            let octaves = (root / middle).max(f64::MIN_POSITIVE).log2();
             (MIDDLE + f64::from(PER_OCTAVE) * octaves).clamp(0.0, highest) as u8
         };
-        let of_pixel = |pixel: usize| {
-            let (x, y) = (pixel as u32 % size.width, pixel as u32 / size.width);
-            class(errors[(y / BLOCK[1] * blocks_per_row + x / BLOCK[0]) as usize])
-        };
-        let classes: Vec<_> = (0..halves.len()).map(of_pixel).collect();
+        let classes: Vec<_> = roots.iter().map(class).collect();
         let mut pixels = vec![0; CLASSES];
         for class in &classes {
             pixels[usize::from(*class)] += 1;
         }
-        Some(Self {
+        let differ = pixels.iter().filter(|pixels| **pixels > 0).count() > 1;
+        differ.then_some(Self {
             pilot: samples,
             classes,
             pixels,
         })
+    }
+
+    /// Samples of the pilot.
+    pub(crate) fn pilot(&self) -> u64 {
+        self.pilot
+    }
+
+    /// Whether an image whose pixels of each class have `samples` is better than the pilot's: no
+    /// pixel is without, and on average they have as many.
+    pub(crate) fn replaces_pilot(&self, samples: impl Iterator<Item = u64> + Clone) -> bool {
+        let mut classes = self.pixels.iter().zip(samples.clone());
+        classes.all(|(pixels, samples)| *pixels == 0 || samples >= FEWEST)
+            && self.mean(samples) >= self.pilot
     }
 
     /// Class of the pixel `index`.
@@ -120,7 +107,7 @@ impl Allocation {
     /// Samples of the pixels of `class` at a `level`: eight levels higher are twice the samples.
     pub(crate) fn target(&self, level: u32, class: usize) -> u64 {
         let octave = (level + class as u32) / PER_OCTAVE;
-        (1_u64 << octave.min(40)).max(self.pilot)
+        (1_u64 << octave.min(40)).max(FEWEST)
     }
 
     /// The first level from `level` on at which the mean number of samples is `mean` at least.
@@ -141,16 +128,63 @@ impl Allocation {
     }
 }
 
-/// The pixels at most `RADIUS` away from a block and not in it.
-fn around(size: FilmSize, block: [u32; 2]) -> impl Iterator<Item = usize> {
-    let inside = [0, 1].map(|i| block[i] * BLOCK[i]..(block[i] + 1) * BLOCK[i]);
-    let near = |i: usize, length: u32| {
-        inside[i].start.saturating_sub(RADIUS)..(inside[i].end + RADIUS).min(length)
+/// Per pixel the sum of its parts of the NMSE and of the relMSE of an image with as many samples as
+/// the `pilot`, in any unit; `None` where they cannot be told.
+///
+/// The scatter of the samples tells a pixel's error as if each had been drawn by itself: half of
+/// what is taken is the pixel's own, half that of the pixels around it. It is multiplied by how much
+/// smaller the squared difference of replicates is than it, which a pixel cannot tell alone: half
+/// the ratio around the pixel, half that of the image.
+fn errors(pilot: &Film) -> Option<Vec<f64>> {
+    let tell = |pixel: &Pixel| -> Option<[f64; 5]> {
+        let squares: f64 = pixel.half_difference()?.iter().map(|h| h * h).sum();
+        let scatter = pixel.variance_of_mean()?.iter().sum();
+        let [r, g, b] = pixel.mean;
+        Some([squares, scatter, r, g, b])
     };
-    let (columns, rows) = (near(0, size.width), near(1, size.height));
-    rows.flat_map(move |y| columns.clone().map(move |x| (x, y)))
-        .filter(move |(x, y)| !(inside[0].contains(x) && inside[1].contains(y)))
-        .map(move |at| size.index(at))
+    let told: Option<Vec<_>> = pilot.pixels.iter().map(tell).collect();
+    let told = told?;
+    let around = box_mean(&told, pilot.size, RADIUS);
+    let [squares, scatter, r, g, b] = sum(told.par_iter().copied());
+    let gain = squares / scatter;
+    let mean = (r + g + b) / (3.0 * told.len() as f64);
+    let floor = 0.01 * mean * mean;
+    let pixels = told.par_iter().zip(&around);
+    let errors = pixels.map(|(own, around)| -> [f64; 2] {
+        if around[1] <= 0.0 {
+            return [0.0; 2];
+        }
+        let half: [f64; 5] = std::array::from_fn(|i| 0.5 * (own[i] + around[i]));
+        let error = half[1] * 0.5 * (around[0] / around[1] + gain);
+        let value: f64 = half[2..].iter().map(|x| x * x).sum();
+        [error, error / (value / 3.0 + floor)]
+    });
+    let errors: Vec<_> = errors.collect();
+    let [absolute, relative] = sum(errors.par_iter().copied());
+    let errors = errors.iter();
+    (absolute > 0.0 && relative > 0.0)
+        .then(|| errors.map(|e| e[0] / absolute + e[1] / relative).collect())
+}
+
+/// The same where the pixels of each block share their mean, but for one that holds more of the
+/// block's than all the others.
+fn in_blocks(size: FilmSize, errors: &[f64]) -> Vec<f64> {
+    let mut shared = errors.to_vec();
+    for y in (0..size.height).step_by(BLOCK[1] as usize) {
+        for x in (0..size.width).step_by(BLOCK[0] as usize) {
+            let rows = y..(y + BLOCK[1]).min(size.height);
+            let columns = x..(x + BLOCK[0]).min(size.width);
+            let pixels = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
+            let mut pixels: Vec<_> = pixels.map(|at| size.index(at)).collect();
+            let total: f64 = pixels.iter().map(|pixel| errors[*pixel]).sum();
+            pixels.retain(|pixel| errors[*pixel] <= ALONE * total);
+            let mean = pixels.iter().map(|pixel| errors[*pixel]).sum::<f64>() / pixels.len() as f64;
+            for pixel in pixels {
+                shared[pixel] = mean;
+            }
+        }
+    }
+    shared
 }
 
 #[cfg(test)]
@@ -172,7 +206,7 @@ mod tests {
             *pixel = Pixel {
                 samples: PILOT,
                 mean: [1.0; 3],
-                m2: [1.0; 3],
+                m2: [half * half * (PILOT * (PILOT - 1)) as f64; 3],
                 second_samples: PILOT / 2,
                 second_mean: [1.0 - half; 3],
                 ..Pixel::default()
@@ -196,14 +230,32 @@ mod tests {
         assert!(few.is_power_of_two() && many.is_power_of_two());
     }
 
+    /// A bright light that is mirrored in one pixel takes no other pixel along.
     #[test]
-    fn a_pixels_own_samples_have_no_say() {
+    fn one_pixel_that_holds_most_of_its_blocks_error_is_alone() {
         let mut film = pilot();
-        let (index, far) = (8 * 32 + 8, 0);
+        let (index, far) = (8 * 32 + 4, 0);
         film.pixels[index].second_mean = [0.0; 3];
+        film.pixels[index].m2 = [100.0; 3];
         let allocation = Allocation::after(&film, PILOT).expect("an error");
-        assert_eq!(allocation.class(index), allocation.class(far));
-        assert!(allocation.class(index + 4) > allocation.class(far) + 8);
+        let [own, beside, other] = [index, index + 1, far].map(|pixel| allocation.class(pixel));
+        assert!(own > beside + 12, "{own}, {beside}, {other}");
+        assert!(beside > other, "what is around it helps to tell its error");
+    }
+
+    #[test]
+    fn a_pilot_is_replaced_by_an_image_of_as_many_samples_without_a_hole() {
+        let allocation = Allocation::after(&pilot(), PILOT).expect("there is an error");
+        let few = allocation.class(0);
+        let replaces = |of_few: u64, of_many: u64| {
+            let samples = |class| match class {
+                class if class == few => of_few,
+                _ => of_many,
+            };
+            allocation.replaces_pilot((0..CLASSES).map(samples))
+        };
+        assert!(replaces(2, 64) && replaces(PILOT, PILOT));
+        assert!(!replaces(1, 64) && !replaces(64, 0) && !replaces(2, 4));
     }
 
     #[test]

@@ -227,6 +227,14 @@ impl Film {
         Self { unit, ..self }
     }
 
+    /// One alike without samples.
+    #[must_use]
+    pub fn emptied(&self) -> Self {
+        Self::new(self.size, self.sampler)
+            .with_light_groups(self.light_groups.len())
+            .in_units_of(self.unit)
+    }
+
     /// Adds a block of the pixel `index`: `groups` are its groups' means.
     pub fn merge(&mut self, index: usize, block: &PixelState, groups: &[GroupMean]) {
         self.pixels[index].merge_in(self.unit, block);

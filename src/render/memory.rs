@@ -18,11 +18,13 @@ const TRIANGLE_BYTES: u64 = 512;
 const CHANNELS: u64 = 8;
 
 /// Bytes of the film, of the copy of it that is looked at, and of what is computed from that, for
-/// an image of `size` with `groups` groups of lights.
-pub fn host_bytes(size: FilmSize, groups: usize) -> u64 {
+/// an image of `size`; adaptive sampling has a pilot's film beside.
+pub fn host_bytes(prepared: &Prepared, size: FilmSize) -> u64 {
+    let groups = prepared.emitters.groups.names.len();
     let triple = size_of::<[f64; 3]>() as u64;
     let film = size_of::<Pixel>() as u64 + groups as u64 * triple;
-    let of_pixel = 2 * film + ERROR_TRIPLES * triple + CHANNELS * size_of::<f32>() as u64;
+    let films = 2 + u64::from(prepared.settings.estimator.adaptive);
+    let of_pixel = films * film + ERROR_TRIPLES * triple + CHANNELS * size_of::<f32>() as u64;
     size.pixels() as u64 * of_pixel
 }
 
@@ -42,14 +44,14 @@ pub(super) fn check(
     prepared: &Prepared,
     size: FilmSize,
 ) -> Result<(), GpuError> {
-    let groups = prepared.emitters.groups.names.len();
     let on_device = if context.adapter.software {
+        let groups = prepared.emitters.groups.names.len();
         let scene = SceneBuffers::sizes(prepared).into_iter();
         device_bytes(size, groups) + scene.map(|(_, bytes)| bytes).sum::<u64>()
     } else {
         0
     };
-    let needed = host_bytes(size, groups) + on_device;
+    let needed = host_bytes(prepared, size) + on_device;
     match available() {
         Some(available) if needed > available => Err(GpuError::TooLittleMemory {
             what: format!(

@@ -5,7 +5,7 @@
 //! short. Samples are accumulated in blocks of 256 in f32 on the GPU; a full block is merged into
 //! the f64 film. Where a pass is cut does not change the image: a pixel's state goes on exactly
 //! from where it stood. With adaptive sampling pixels fall into classes, each with a number of
-//! samples and a block of its own.
+//! samples and a block of its own, once a pilot has told which.
 
 mod build;
 pub(super) mod checkpoint;
@@ -71,6 +71,8 @@ pub struct Session<'a> {
     unfinished_staging: GpuBuffer<u32>,
     regions: Vec<Region>,
     film: Film,
+    /// The image by which samples are shared out, as long as it is the best there is.
+    pilot: Option<Film>,
     rays: RayCounts,
     /// Whether samples are shared out by where the error is.
     adaptive: bool,
@@ -91,8 +93,8 @@ impl<'a> Session<'a> {
         self.kernel.wgsl()
     }
 
-    /// Samples that every pixel has; with adaptive sampling, what they have on average, rounded
-    /// down.
+    /// Samples that every pixel of the image has; with adaptive sampling, what they have on average,
+    /// rounded down.
     pub fn samples(&self) -> u64 {
         self.progress.samples()
     }
@@ -102,6 +104,11 @@ impl<'a> Session<'a> {
     pub fn pass_samples(&self, remaining: u64) -> u64 {
         let pixels = self.film.size.pixels() as u64;
         (self.budget / pixels).clamp(1, remaining.clamp(1, u64::from(BLOCK_SAMPLES)))
+    }
+
+    /// Index of the image's first sample: where samples are shared out, none of the pilot's.
+    pub fn first_sample(&self) -> u64 {
+        self.progress.first_sample()
     }
 
     /// Takes every pixel `samples` further, at most to the end of the open block; with adaptive
@@ -174,9 +181,10 @@ impl<'a> Session<'a> {
         target: u32,
     ) -> Result<(), GpuError> {
         let Class { merged, position } = self.progress.classes[class];
+        let block_start = self.progress.first_sample() + merged;
         let region = &self.regions[region];
         let mut parameters = Dispatch {
-            block_start: [merged as u32, (merged >> 32) as u32],
+            block_start: [block_start as u32, (block_start >> 32) as u32],
             target_position: target,
             fresh: u32::from(position == 0),
             first_row,
@@ -245,14 +253,23 @@ impl<'a> Session<'a> {
     /// of the next `samples` per pixel may be taken until that is to be done, all of them if it
     /// never is again.
     fn share_out(&mut self, samples: u64) -> Result<u64, GpuError> {
+        if !self.saved.progress.shows_pilot() {
+            self.pilot = None;
+        }
         if !self.adaptive || self.progress.allocation.is_some() {
             return Ok(samples);
         }
-        let pilot = self.samples();
-        if pilot >= PILOT && pilot.is_power_of_two() {
-            let (film, rays) = self.snapshot()?;
-            if let Some(allocation) = Allocation::after(&film, pilot) {
-                (self.film, self.rays) = (film, rays);
+        let taken = self.samples();
+        if taken >= PILOT && taken.is_power_of_two() {
+            let (pilot, rays) = self.snapshot()?;
+            if let Some(allocation) = Allocation::after(&pilot, taken) {
+                // What was dropped stays in the ledger.
+                let ledger = pilot.ledger;
+                self.film = Film {
+                    ledger,
+                    ..self.film.emptied()
+                };
+                (self.pilot, self.rays) = (Some(pilot), rays);
                 self.progress.share_out(allocation);
                 // After they have got their order, which may take more rows than before.
                 self.sort_pixels()?;
@@ -260,8 +277,8 @@ impl<'a> Session<'a> {
                 return Ok(samples);
             }
         }
-        let end = (pilot + 1).next_power_of_two().max(PILOT);
-        Ok(samples.min(end - pilot))
+        let end = (taken + 1).next_power_of_two().max(PILOT);
+        Ok(samples.min(end - taken))
     }
 
     /// Gives the pixels their order.

@@ -127,6 +127,7 @@ impl<'a> Session<'a> {
             unfinished_staging: GpuBuffer::zeroed(device, "direct.unfinished.staging", 1, read),
             regions: Vec::new(),
             film: new_film(prepared, film),
+            pilot: None,
             rays: RayCounts::default(),
             adaptive: prepared.settings.estimator.adaptive,
             progress: Progress::default(),
@@ -209,10 +210,8 @@ impl<'a> Session<'a> {
 
     fn forget(&mut self) -> Result<(), GpuError> {
         self.rays = RayCounts::default();
-        let groups = self.film.light_groups.len();
-        self.film = Film::new(self.film.size, self.film.sampler)
-            .with_light_groups(groups)
-            .in_units_of(self.film.unit);
+        self.film = self.film.emptied();
+        self.pilot = None;
         let was_shared_out = self.progress.allocation.is_some();
         self.progress = Progress::default();
         if was_shared_out {

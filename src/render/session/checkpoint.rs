@@ -17,6 +17,8 @@ const INTERVAL: Duration = Duration::from_secs(10);
 pub struct Checkpoint {
     /// Merged blocks.
     film: Film,
+    /// The image by which samples are shared out, as long as it is the best there is.
+    pilot: Option<Film>,
     /// Rays of merged blocks.
     rays: RayCounts,
     /// Open blocks.
@@ -87,6 +89,7 @@ impl Session<'_> {
     pub fn into_checkpoint(self) -> Checkpoint {
         Checkpoint {
             film: self.film,
+            pilot: self.pilot,
             rays: self.rays,
             saved: self.saved,
         }
@@ -97,7 +100,12 @@ impl Session<'_> {
     /// # Errors
     /// The driver fails.
     pub fn resume(&mut self, checkpoint: Checkpoint) -> Result<(), GpuError> {
-        let Checkpoint { film, rays, saved } = checkpoint;
+        let Checkpoint {
+            film,
+            pilot,
+            rays,
+            saved,
+        } = checkpoint;
         assert_eq!(film.size, self.film.size, "a checkpoint of another image");
         self.context.checked(|| {
             let queue = &self.context.queue;
@@ -112,7 +120,8 @@ impl Session<'_> {
         })?;
         self.progress = saved.progress.clone();
         self.sort_pixels()?;
-        (self.film, self.rays, self.saved) = (film, rays, saved);
+        (self.film, self.pilot) = (film, pilot);
+        (self.rays, self.saved) = (rays, saved);
         Ok(())
     }
 }

@@ -1,7 +1,7 @@
 //! How far the pixels of a render have come.
 
 use crate::gpu::layout::BLOCK_SAMPLES;
-use crate::render::adaptive::{Allocation, CLASSES};
+use crate::render::adaptive::{Allocation, CLASSES, FIRST};
 use std::sync::Arc;
 
 /// Pixels that have the same number of samples.
@@ -50,13 +50,29 @@ impl Default for Progress {
 }
 
 impl Progress {
-    /// Samples per pixel, on average where they differ.
+    /// Samples per pixel of the best image there is, on average where they differ.
     pub(crate) fn samples(&self) -> u64 {
-        let samples = self.classes.iter().map(|class| class.samples());
         match &self.allocation {
             None => self.classes[0].samples(),
-            Some(allocation) => allocation.mean(samples),
+            Some(allocation) if self.shows_pilot() => allocation.pilot(),
+            Some(allocation) => allocation.mean(self.of_classes()),
         }
+    }
+
+    /// Samples per pixel of each class.
+    fn of_classes(&self) -> impl Iterator<Item = u64> + Clone {
+        self.classes.iter().map(|class| class.samples())
+    }
+
+    /// Whether the pilot's image is still the best there is.
+    pub(crate) fn shows_pilot(&self) -> bool {
+        let allocation = self.allocation.as_ref();
+        allocation.is_some_and(|allocation| !allocation.replaces_pilot(self.of_classes()))
+    }
+
+    /// Index of the image's first sample.
+    pub(crate) fn first_sample(&self) -> u64 {
+        self.allocation.as_ref().map_or(0, |_| FIRST)
     }
 
     /// Class of the pixel `index`.
@@ -65,10 +81,9 @@ impl Progress {
         allocation.map_or(0, |allocation| allocation.class(index))
     }
 
-    /// From now on pixels take samples as `allocation` says. The open block has been merged.
+    /// From now on pixels take samples as `allocation` says, from the first on.
     pub(crate) fn share_out(&mut self, allocation: Allocation) {
-        self.classes[0].open_block();
-        self.classes = vec![self.classes[0]; CLASSES];
+        self.classes = vec![Class::default(); CLASSES];
         self.allocation = Some(Arc::new(allocation));
         self.level = 0;
     }
@@ -81,7 +96,8 @@ impl Progress {
             let most = class.merged + u64::from(BLOCK_SAMPLES);
             return vec![(class.samples() + samples).min(most)];
         };
-        self.level = allocation.level_of(self.samples() + samples, self.level);
+        let mean = allocation.mean(self.of_classes()) + samples;
+        self.level = allocation.level_of(mean, self.level);
         let targets = (0..CLASSES).map(|class| allocation.target(self.level, class));
         targets.collect()
     }

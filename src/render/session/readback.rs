@@ -30,7 +30,7 @@ impl Session<'_> {
             let block = self.read_rows(region, region.all_rows())?;
             merge(&mut film, &mut rays, &self.progress, (region, &block));
         }
-        Ok((film, rays))
+        Ok((self.best(film, &self.progress), rays))
     }
 
     /// The image as the host knows it without the device, and the rays traced for it: merged
@@ -40,7 +40,19 @@ impl Session<'_> {
         for (region, block) in self.regions.iter().zip(&self.saved.blocks) {
             merge(&mut film, &mut rays, &self.saved.progress, (region, block));
         }
-        (film, rays)
+        (self.best(film, &self.saved.progress), rays)
+    }
+
+    /// `film`, or the pilot's image where it is better than one that has come as far as `progress`;
+    /// what was dropped is that of both.
+    fn best(&self, film: Film, progress: &Progress) -> Film {
+        match &self.pilot {
+            Some(pilot) if progress.shows_pilot() => Film {
+                ledger: film.ledger,
+                ..pilot.clone()
+            },
+            _ => film,
+        }
     }
 
     /// Merges the blocks of the classes whose blocks are full into the film, and opens their next
@@ -164,7 +176,8 @@ fn merge(
             &block.light_groups[i * per_pixel..][..per_pixel],
         );
         let class = progress.classes[progress.class_of(pixel)];
-        film.ledger.enter(state, x, y, class.merged);
+        let block_start = progress.first_sample() + class.merged;
+        film.ledger.enter(state, x, y, block_start);
         rays.camera += u64::from(state.samples + state.dropped);
         rays.shadow += u64::from(state.shadow_rays);
         rays.bsdf += u64::from(state.bsdf_rays);

@@ -22,7 +22,7 @@ pub fn of(prepared: &Prepared, film: FilmSize) -> Vec<Memory> {
     let tiles = u64::from(film.width.div_ceil(TILE)) * u64::from(film.height.div_ceil(TILE));
     let pixels = tiles * u64::from(TILE_PIXELS) * size_of::<PixelState>() as u64;
     let word = size_of::<u32>() as u64;
-    let host = host_bytes(film, prepared.emitters.groups.names.len());
+    let host = host_bytes(prepared, film);
     let of_image = [
         ("direct.pixels", pixels),
         ("direct.pixels.staging", pixels),
