@@ -16,6 +16,9 @@ const MANY: f64 = 20.0;
 /// Expected hits of which an image hardly ever shows none, if they are right: with a probability of
 /// e⁻⁵. Rays nearly meet lights also where no mirror would show them.
 const SURE: f64 = 5.0;
+/// How many decades of squared radiance away other hits may be for being of the same light: a lobe
+/// shows it brighter in some pixels than in others.
+const NEAR: i32 = 1;
 
 /// What near misses tell about pixels whose samples meet light of about the same radiance.
 #[derive(Debug, Clone, Default)]
@@ -26,9 +29,26 @@ struct Kind {
     pixels: Vec<(usize, f64)>,
 }
 
-/// What near misses tell about a film.
+impl Kind {
+    /// What one hit adds to the squared error of an image whose pixels count with their `weights`.
+    fn of_one(&self, weight: impl Fn(usize) -> f64) -> f64 {
+        self.variance(weight) / self.hits
+    }
+
+    fn variance(&self, weight: impl Fn(usize) -> f64) -> f64 {
+        let pixels = self.pixels.iter();
+        pixels.map(|&(i, variance)| weight(i) * variance).sum()
+    }
+
+    /// Whether images can do without it, or show it, only by chance.
+    fn is_unsure(&self) -> bool {
+        self.hits >= UNLIKELY && self.hits <= MANY
+    }
+}
+
+/// What near misses tell about a film, by the decade of the squared radiance of hits.
 #[derive(Debug, Clone)]
-pub(super) struct MissedLight(Vec<Kind>);
+pub(super) struct MissedLight(BTreeMap<i32, Kind>);
 
 impl MissedLight {
     pub(super) fn of(film: &Film) -> Self {
@@ -42,22 +62,69 @@ impl MissedLight {
                 kind.pixels.push((i, pixel.expected_squares / (n * n)));
             }
         }
-        let unsure = |kind: &Kind| kind.hits >= UNLIKELY && kind.hits <= MANY;
-        Self(kinds.into_values().filter(unsure).collect())
+        Self(kinds)
     }
 
     /// What such light adds to the squared error of an image, which states `value`; its pixels count with
     /// their `weights`.
     pub(super) fn sum(&self, value: f64, weight: impl Fn(usize) -> f64) -> f64 {
-        let kinds = self.0.iter().map(|kind| {
-            let pixels = kind.pixels.iter();
-            let variance: f64 = pixels.map(|&(i, variance)| weight(i) * variance).sum();
-            let of_one = variance / kind.hits;
-            if kind.hits > SURE && value < 0.5 * of_one {
+        let is_unmet = |kind: &Kind| value < 0.5 * kind.of_one(&weight);
+        let unmet_hits = |decade: i32| -> f64 {
+            let near = self.0.range(decade - NEAR..=decade + NEAR);
+            let unmet = near.filter(|(_, kind)| is_unmet(kind));
+            unmet.map(|(_, kind)| kind.hits).sum()
+        };
+        let unsure = self.0.iter().filter(|(_, kind)| kind.is_unsure());
+        let kinds = unsure.map(|(decade, kind)| {
+            if is_unmet(kind) && unmet_hits(*decade) > SURE {
                 return 0.0;
             }
-            variance * kind.hits.min(1.0)
+            kind.variance(&weight) * kind.hits.min(1.0)
         });
         kinds.sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Pixel;
+    use crate::scene::{FilmSize, Sampler};
+
+    /// What is missed by an image that states `value` and expects so many hits of the squared
+    /// radiances, each in a pixel of its own.
+    fn missed(value: f64, hits: &[(f64, f64)]) -> f64 {
+        let size = FilmSize {
+            width: hits.len() as u32,
+            height: 1,
+        };
+        let mut film = Film::new(size, Sampler::Sobol);
+        for (pixel, (hits, square)) in film.pixels.iter_mut().zip(hits) {
+            *pixel = Pixel {
+                samples: 10,
+                expected_hits: *hits,
+                expected_squares: hits * square,
+                ..Pixel::default()
+            };
+        }
+        MissedLight::of(&film).sum(value, |_| 1.0)
+    }
+
+    /// Of six expected hits of one light an image shows one, if they are right, however a lobe spreads
+    /// them over decades; what is far brighter or rarer is another light.
+    #[test]
+    fn hits_that_should_have_shown_are_no_hits() {
+        let is = |found: f64, expected: f64| (found - expected).abs() < 1e-9 * expected.max(1e-9);
+        let spread = [(2.0, 300.0), (2.0, 3e3), (2.0, 3e4)];
+        assert!(is(missed(0.1, &spread[..1]), 6.0));
+        assert!(is(missed(0.1, &[(6.0, 3e3)]), 0.0));
+        // The middle one has six around it, the others four.
+        assert!(is(missed(0.1, &spread), 6.0 + 600.0));
+        let one_more = [(4.0, 300.0), (2.0, 3e3), (4.0, 3e4)];
+        assert!(is(missed(0.1, &one_more), 0.0));
+        // The image may have met the dim ones, and four hits are not enough.
+        assert!(is(missed(20.0, &one_more), 12.0 + 60.0 + 1200.0));
+        let other = [(6.0, 300.0), (0.01, 3e9)];
+        assert!(is(missed(0.1, &other), 0.01 * 0.01 * 3e7));
     }
 }
