@@ -106,7 +106,7 @@ impl<'a> Session<'a> {
         (self.budget / pixels).clamp(1, remaining.clamp(1, u64::from(BLOCK_SAMPLES)))
     }
 
-    /// Index of the image's first sample: where samples are shared out, none of the pilot's.
+    /// Index of the first sample after the pilot, once samples are shared out; else 0.
     pub fn first_sample(&self) -> u64 {
         self.progress.first_sample()
     }

@@ -4,6 +4,7 @@ use crate::support::{context, prepared, render, scene, statistics, take};
 use direkt::low_level::gpu::Context;
 use direkt::low_level::gpu::recorder::Recorder;
 use direkt::low_level::prepare::Prepared;
+use direkt::low_level::reference::core::sampler::{GROUP_FILM, Numbers};
 use direkt::low_level::render::{Film, Pixel, Session, StopReason, render_through_losses};
 use direkt::low_level::stats::moments::Moments;
 use direkt::low_level::stats::z_test::z_test;
@@ -38,6 +39,7 @@ fn pixels_have_the_first_samples_after_the_pilot() {
     take(&mut adaptive, 40);
     let first = adaptive.first_sample();
     assert!(first > u64::from(u32::MAX));
+    assert_apart(first);
     let film = adaptive.snapshot().unwrap().0;
     let counts = counts(&film);
     assert!(counts.iter().all(|n| n.is_power_of_two()));
@@ -70,6 +72,35 @@ fn pixels_have_the_first_samples_after_the_pilot() {
             assert!(near(pixel.second_mean[c], odd[c], pixel.second_samples));
         }
     }
+}
+
+/// The numbers of the samples from `first` on are none of the pilot's. Broken: where the image begins
+/// with the pilot's.
+fn assert_apart(first: u64) {
+    let alike = |sampler: Sampler, first: u64| {
+        let numbers = Numbers {
+            sampler,
+            pattern: sampler.pattern(64),
+            width: 16,
+        };
+        let group = |pixel, index| numbers.group(numbers.sample_id(pixel, index, 7), GROUP_FILM);
+        let samples = (0..256).flat_map(|pixel| (0..PILOT).map(move |i| (pixel, i)));
+        let words = samples.flat_map(|(pixel, i)| {
+            let (of_pilot, of_image) = (group(pixel, i), group(pixel, first + i));
+            of_pilot.into_iter().zip(of_image)
+        });
+        words.filter(|(a, b)| a.abs_diff(*b) < 1 << 8).count()
+    };
+    let samplers = [
+        Sampler::Independent,
+        Sampler::Stratified,
+        Sampler::Sobol,
+        Sampler::BlueNoise,
+    ];
+    for sampler in samplers {
+        assert_eq!(alike(sampler, first), 0, "{sampler}");
+    }
+    assert!(alike(Sampler::Sobol, 0) > 1000);
 }
 
 /// Where passes end, how the image is cut into regions, and lost devices change nothing.

@@ -70,7 +70,7 @@ impl Progress {
         allocation.is_some_and(|allocation| !allocation.replaces_pilot(self.of_classes()))
     }
 
-    /// Index of the image's first sample.
+    /// Index of the first sample after the pilot, where there was one.
     pub(crate) fn first_sample(&self) -> u64 {
         self.allocation.as_ref().map_or(0, |_| FIRST)
     }
