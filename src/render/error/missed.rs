@@ -18,7 +18,7 @@ const MANY: f64 = 20.0;
 const SURE: f64 = 5.0;
 /// How many decades of squared radiance away other hits may be for being of the same light: a lobe
 /// shows it brighter in some pixels than in others.
-const NEAR: i32 = 1;
+const NEAR: u32 = 1;
 
 /// What near misses tell about pixels whose samples meet light of about the same radiance.
 #[derive(Debug, Clone, Default)]
@@ -27,23 +27,6 @@ struct Kind {
     hits: f64,
     /// The pixels, and what the light adds to the sum of their channels' variances.
     pixels: Vec<(usize, f64)>,
-}
-
-impl Kind {
-    /// What one hit adds to the squared error of an image whose pixels count with their `weights`.
-    fn of_one(&self, weight: impl Fn(usize) -> f64) -> f64 {
-        self.variance(weight) / self.hits
-    }
-
-    fn variance(&self, weight: impl Fn(usize) -> f64) -> f64 {
-        let pixels = self.pixels.iter();
-        pixels.map(|&(i, variance)| weight(i) * variance).sum()
-    }
-
-    /// Whether images can do without it, or show it, only by chance.
-    fn is_unsure(&self) -> bool {
-        self.hits >= UNLIKELY && self.hits <= MANY
-    }
 }
 
 /// What near misses tell about a film, by the decade of the squared radiance of hits.
@@ -68,20 +51,26 @@ impl MissedLight {
     /// What such light adds to the squared error of an image, which states `value`; its pixels count with
     /// their `weights`.
     pub(super) fn sum(&self, value: f64, weight: impl Fn(usize) -> f64) -> f64 {
-        let is_unmet = |kind: &Kind| value < 0.5 * kind.of_one(&weight);
+        let kinds = self.0.iter().map(|(decade, kind)| {
+            let pixels = kind.pixels.iter();
+            let variance: f64 = pixels.map(|&(i, variance)| weight(i) * variance).sum();
+            (*decade, kind.hits, variance)
+        });
+        let kinds: Vec<_> = kinds.collect();
+        let is_unmet = |hits: f64, variance: f64| value < 0.5 * (variance / hits);
         let unmet_hits = |decade: i32| -> f64 {
-            let near = self.0.range(decade - NEAR..=decade + NEAR);
-            let unmet = near.filter(|(_, kind)| is_unmet(kind));
-            unmet.map(|(_, kind)| kind.hits).sum()
+            let near = kinds.iter().filter(|kind| kind.0.abs_diff(decade) <= NEAR);
+            let unmet = near.filter(|(_, hits, variance)| is_unmet(*hits, *variance));
+            unmet.map(|(_, hits, _)| hits).sum()
         };
-        let unsure = self.0.iter().filter(|(_, kind)| kind.is_unsure());
-        let kinds = unsure.map(|(decade, kind)| {
-            if is_unmet(kind) && unmet_hits(*decade) > SURE {
+        let missed = kinds.iter().map(|&(decade, hits, variance)| {
+            let is_sure = hits < UNLIKELY || hits > MANY;
+            if is_sure || (is_unmet(hits, variance) && unmet_hits(decade) > SURE) {
                 return 0.0;
             }
-            kind.variance(&weight) * kind.hits.min(1.0)
+            variance * hits.min(1.0)
         });
-        kinds.sum()
+        missed.sum()
     }
 }
 
