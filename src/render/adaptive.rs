@@ -61,7 +61,7 @@ impl Allocation {
     /// has not two samples, or their differences do not tell pixels apart.
     pub(crate) fn after(pilot: &Film, samples: u64) -> Option<Self> {
         let size = pilot.size;
-        let errors = in_blocks(size, &errors(pilot)?);
+        let errors = share_in_blocks(size, &tell_errors(pilot)?);
         let roots: Vec<f64> = errors.par_iter().map(|error| error.sqrt()).collect();
         let [sum] = sum(roots.par_iter().map(|root| [*root]));
         let middle = sum / roots.len() as f64;
@@ -135,7 +135,7 @@ impl Allocation {
 /// what is taken is the pixel's own, half that of the pixels around it. It is multiplied by how much
 /// smaller the squared difference of replicates is than it, which a pixel cannot tell alone: half
 /// the ratio around the pixel, half that of the image.
-fn errors(pilot: &Film) -> Option<Vec<f64>> {
+fn tell_errors(pilot: &Film) -> Option<Vec<f64>> {
     let tell = |pixel: &Pixel| -> Option<[f64; 5]> {
         let squares: f64 = pixel.half_difference()?.iter().map(|h| h * h).sum();
         let scatter = pixel.variance_of_mean()?.iter().sum();
@@ -168,7 +168,7 @@ fn errors(pilot: &Film) -> Option<Vec<f64>> {
 
 /// The same where the pixels of each block share their mean, but for one that holds more of the
 /// block's than all the others.
-fn in_blocks(size: FilmSize, errors: &[f64]) -> Vec<f64> {
+fn share_in_blocks(size: FilmSize, errors: &[f64]) -> Vec<f64> {
     let mut shared = errors.to_vec();
     for y in (0..size.height).step_by(BLOCK[1] as usize) {
         for x in (0..size.width).step_by(BLOCK[0] as usize) {

@@ -253,6 +253,7 @@ impl<'a> Session<'a> {
     /// of the next `samples` per pixel may be taken until that is to be done, all of them if it
     /// never is again.
     fn share_out(&mut self, samples: u64) -> Result<u64, GpuError> {
+        // A lost device goes back to what was saved.
         if !self.saved.progress.shows_pilot() {
             self.pilot = None;
         }
@@ -271,6 +272,7 @@ impl<'a> Session<'a> {
                 };
                 (self.pilot, self.rays) = (Some(pilot), rays);
                 self.progress.share_out(allocation);
+                self.saved = Saved::none(self.progress.clone());
                 // After they have got their order, which may take more rows than before.
                 self.sort_pixels()?;
                 self.clear_all()?;

@@ -170,17 +170,16 @@ fn a_render_that_begins_again_forgets_the_one_before() {
         take(&mut new, samples);
         assert!(new.snapshot().unwrap() == again.snapshot().unwrap());
     }
-    let mut began = session(context, &prepared, 3);
-    take(&mut began, PILOT);
-    let pilot = began.snapshot().unwrap().0;
-    began.pass(1, || false).unwrap();
-    let (mut passes, mut stopped) = (0, session(context, &prepared, 3));
+    let mut stopped = session(context, &prepared, 3);
     take(&mut stopped, PILOT);
-    let after_one = |passes: &mut u32| {
-        *passes += 1;
-        *passes > 1
+    let pilot = stopped.snapshot().unwrap().0;
+    let mut asked = 0;
+    let after_one = || {
+        asked += 1;
+        asked > 1
     };
-    stopped.pass(1, || after_one(&mut passes)).unwrap();
+    let reason = stopped.pass(1, after_one).unwrap();
+    assert_eq!(reason, StopReason::Interrupted);
     assert_eq!(stopped.samples(), PILOT);
     assert!(stopped.snapshot().unwrap().0 == pilot);
 }
