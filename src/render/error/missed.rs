@@ -64,8 +64,8 @@ impl MissedLight {
             unmet.map(|(_, hits, _)| hits).sum()
         };
         let missed = kinds.iter().map(|&(decade, hits, variance)| {
-            let is_sure = hits < UNLIKELY || hits > MANY;
-            if is_sure || (is_unmet(hits, variance) && unmet_hits(decade) > SURE) {
+            let is_unsure = (UNLIKELY..=MANY).contains(&hits);
+            if !is_unsure || (is_unmet(hits, variance) && unmet_hits(decade) > SURE) {
                 return 0.0;
             }
             variance * hits.min(1.0)
