@@ -16,7 +16,7 @@ fn effects_without_need_cost_time_alone() {
         "--size",
         "24x16",
         "--budget",
-        "500ms",
+        "2s",
         "--strategies",
         "light-area",
         "--samplers",
