@@ -4,10 +4,11 @@ use super::{CORNELL, read, text};
 use serde_json::Value;
 use std::path::Path;
 
-/// Runs `direkt cost` on `scenes` and sends Ctrl-C once `begun` has read what it waits for. Exit
-/// code and stderr.
+/// Runs `direkt cost` on `scenes`, with a `budget` for each, and sends Ctrl-C once `begun` has read
+/// what it waits for. Exit code and stderr.
 fn interrupted(
     folder: &Path,
+    budget: &str,
     scenes: &[&str],
     begun: impl FnOnce(&mut dyn std::io::BufRead, &mut dyn std::io::BufRead),
 ) -> (i32, String) {
@@ -15,7 +16,7 @@ fn interrupted(
     use std::process::{Command, Stdio};
     let mut child = super::super::Child(
         Command::new(env!("CARGO_BIN_EXE_direkt"))
-            .args(["cost", "--size", "24x16", "--budget", "3s"])
+            .args(["cost", "--size", "24x16", "--budget", budget])
             .args(["--strategies", "light-area", "-o", text(folder)])
             .args(["--json", text(&folder.join("a.json"))])
             .args(scenes)
@@ -38,7 +39,8 @@ fn interrupted(
 #[test]
 fn an_interrupt_at_the_beginning_writes_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let (code, stderr) = interrupted(folder.path(), &[CORNELL], |_, stderr| {
+    // Its reference alone takes minutes.
+    let (code, stderr) = interrupted(folder.path(), "1h", &[CORNELL], |_, stderr| {
         let mut line = String::new();
         stderr.read_line(&mut line).unwrap();
         assert!(
@@ -56,7 +58,7 @@ fn an_interrupt_at_the_beginning_writes_nothing() {
 fn an_interrupt_writes_the_report_so_far() {
     let folder = tempfile::tempdir().unwrap();
     let veach = "scenes/veach.toml";
-    let (code, stderr) = interrupted(folder.path(), &[CORNELL, veach], |stdout, _| {
+    let (code, stderr) = interrupted(folder.path(), "3s", &[CORNELL, veach], |stdout, _| {
         let mut line = String::new();
         stdout.read_line(&mut line).unwrap();
         assert!(line.starts_with("scenes/cornell.toml: 24 × 16"), "{line}");
