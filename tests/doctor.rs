@@ -99,7 +99,7 @@ fn elementary_functions_are_as_accurate_as_promised() {
 fn no_shader_needs_subgroups() {
     let context = context();
     let config = KernelConstants::default();
-    let wgsl = link("kernel::loop_canary", [], config).unwrap();
+    let wgsl = link("kernel::loop_canary", [], &config).unwrap();
     let asking = format!("enable subgroups;\n{wgsl}");
     let compiles = context.checked(|| {
         context

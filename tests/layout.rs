@@ -28,7 +28,13 @@ fn reflected() -> naga::Module {
                @compute @workgroup_size(1) fn main() {\n\
                frame.film.width = work.first_tile + state.samples + record.shadow + sums.samples + surface.primitive;\n";
     source += &format!("frame.film.height = {};\n}}\n", names.join(" + "));
-    let wgsl = link_with("test_layout", Some(&source), [], KernelConstants::default()).unwrap();
+    let wgsl = link_with(
+        "test_layout",
+        Some(&source),
+        [],
+        &KernelConstants::default(),
+    )
+    .unwrap();
     naga::front::wgsl::parse_str(&wgsl).unwrap()
 }
 
@@ -276,7 +282,7 @@ fn the_labs_structs_have_the_same_members() {
         @group(0) @binding(0) var<uniform> work: LabRun;
         @group(0) @binding(1) var<storage, read_write> block: LabBlock;
         @compute @workgroup_size(1) fn main() { block.samples = work.samples; }";
-    let wgsl = link_with("test_layout", Some(source), [], KernelConstants::default()).unwrap();
+    let wgsl = link_with("test_layout", Some(source), [], &KernelConstants::default()).unwrap();
     let module = naga::front::wgsl::parse_str(&wgsl).unwrap();
     let run = members!(LabRun {
         variant,
@@ -319,7 +325,7 @@ fn constants_have_the_same_values() {
 #[test]
 fn a_workgroup_is_a_tile() {
     let wgsl =
-        direkt::low_level::gpu::shader::link("kernel::direct", [], KernelConstants::default())
+        direkt::low_level::gpu::shader::link("kernel::direct", [], &KernelConstants::default())
             .unwrap();
     let module = naga::front::wgsl::parse_str(&wgsl).unwrap();
     let entry = &module.entry_points[0];

@@ -16,13 +16,14 @@ const CONFIG: KernelConstants = KernelConstants {
     environment_group: 1,
     light_boxes: 1,
     split: None,
+    specialized: None,
 };
 
 fn validate(effects: &Effects, what: &str) -> String {
-    validate_with(effects, CONFIG, what)
+    validate_with(effects, &CONFIG, what)
 }
 
-fn validate_with(effects: &Effects, config: KernelConstants, what: &str) -> String {
+fn validate_with(effects: &Effects, config: &KernelConstants, what: &str) -> String {
     let wgsl =
         SceneKernel::link(&DIRECT, effects, config).unwrap_or_else(|e| panic!("{what}: {e}"));
     let module = naga::front::wgsl::parse_str(&wgsl)
@@ -42,7 +43,9 @@ fn every_scene_links_under_every_strategy() {
     for (name, scene) in own_scenes() {
         for strategy in STRATEGIES {
             let prepared = prepared_for(scene.clone(), strategy, LightSelection::Power);
-            validate(&prepared.effects, &format!("{name}, {strategy}"));
+            let what = format!("{name}, {strategy}");
+            validate(&prepared.effects, &what);
+            validate_with(&prepared.effects, &KernelConstants::of(&prepared), &what);
         }
     }
 }
@@ -87,7 +90,7 @@ fn no_effect_and_all_effects_link() {
         split: Some(Split::of_words(1 << 23)),
         ..CONFIG
     };
-    validate_with(&all, split, "all, split");
+    validate_with(&all, &split, "all, split");
 }
 
 #[test]

@@ -24,6 +24,8 @@ enum Kind {
     Simulation,
     /// Changes how samples are drawn: same expected image, different noise.
     Sampling,
+    /// Changes how numbers are rounded: the same image but for the last digits.
+    Arithmetic,
 }
 
 macro_rules! effects {
@@ -53,6 +55,12 @@ macro_rules! effects {
                 kind == Kind::Sampling
             }
 
+            /// Whether it can be compiled in without need, and changes no bit of the image then.
+            pub fn can_be_forced(self) -> bool {
+                let kind = match self { $(Self::$variant => Kind::$kind,)* };
+                kind == Kind::Simulation
+            }
+
             /// Why the scene calls for it, where it does.
             fn reason(self, rules: &Rules<'_>) -> Option<String> {
                 type Rule = fn(&Rules<'_>) -> Option<String>;
@@ -78,6 +86,8 @@ effects! {
     Ellipsoids "ELLIPSOIDS" "ellipsoids" Simulation |r| r.shape(|s| matches!(s, Shape::Ellipsoid { .. }));
     /// Boxes of the hierarchy on a logarithmic grid: detail in a scene that is much larger.
     LogarithmicGrid "LOGARITHMIC_GRID" "logarithmic-grid" Simulation |_| None;
+    /// A small scene, for which the kernel is specialized: nothing of it is loaded.
+    SpecializedScene "SPECIALIZED_SCENE" "specialized-scene" Arithmetic |_| None;
     /// Surfaces whose back does not exist.
     OneSided "ONE_SIDED" "one-sided-surfaces" Simulation
         |r| r.material(|m| (!m.double_sided).then(|| "double_sided = false".to_owned()));
@@ -213,14 +223,6 @@ effects! {
     NearMisses "NEAR_MISSES" "near-misses" Simulation |_| None;
     /// The light of groups of lights apart.
     LightGroups "LIGHT_GROUPS" "light-groups" Simulation |r| r.light_groups();
-}
-
-impl Effect {
-    /// Whether it can be compiled in without need, and changes no bit of the image then: it is no
-    /// way of sampling.
-    pub fn can_be_forced(self) -> bool {
-        !self.is_way_of_sampling()
-    }
 }
 
 /// The effects that a render calls for, each with its reason.

@@ -130,7 +130,8 @@ fn check_attributes(context: &Context, data: &SceneData) -> Result<(), GpuError>
     })
 }
 
-fn primitive_words(prepared: &Prepared) -> Vec<Word> {
+/// Three words per primitive: see `shaders/scene/fetch.wesl`.
+pub(super) fn primitive_words(prepared: &Prepared) -> Vec<Word> {
     let mut light_of = vec![NONE; prepared.data.primitives.len()];
     for (light, emitter) in prepared.emitters.lights.iter().enumerate() {
         if let Emitter::Area { primitive, .. } = emitter {

@@ -6,6 +6,7 @@ use super::gpu_scene::GpuScene;
 use super::layout::{Dispatch, Frame, GroupMean, PixelState};
 use super::scene_buffers::SceneBuffers;
 use super::shader::{self, KernelConstants};
+use super::specialize::SpecializedScene;
 use crate::accel::parts::PARTS;
 use crate::effects::{Effect, Effects};
 use crate::error::GpuError;
@@ -235,7 +236,7 @@ impl SceneKernel {
         context: &Context,
         descriptor: &KernelDescriptor<'_>,
         effects: &Effects,
-        constants: KernelConstants,
+        constants: &KernelConstants,
     ) -> Result<Self, GpuError> {
         let wgsl = Self::link(descriptor, effects, constants)?;
         Self::compile(context, descriptor, (effects, constants), wgsl)
@@ -248,11 +249,13 @@ impl SceneKernel {
     pub fn link(
         descriptor: &KernelDescriptor<'_>,
         effects: &Effects,
-        constants: KernelConstants,
+        constants: &KernelConstants,
     ) -> Result<String, GpuError> {
         let further = descriptor.features.iter().map(|f| (*f, true));
         let split = ("SPLIT_GEOMETRY", constants.split.is_some());
+        let specialized = SpecializedScene::features(constants.specialized.as_ref());
         let features = effects.features().chain(further).chain([split]);
+        let features = features.chain(specialized);
         shader::link_with(descriptor.module, descriptor.source, features, constants)
     }
 
@@ -263,7 +266,7 @@ impl SceneKernel {
     pub fn compile(
         context: &Context,
         descriptor: &KernelDescriptor<'_>,
-        (effects, constants): (&Effects, KernelConstants),
+        (effects, constants): (&Effects, &KernelConstants),
         wgsl: String,
     ) -> Result<Self, GpuError> {
         let device = &context.device;

@@ -21,7 +21,7 @@ impl Context {
         &self,
         descriptor: &KernelDescriptor<'_>,
         effects: &Effects,
-        constants: KernelConstants,
+        constants: &KernelConstants,
     ) -> Result<SceneKernel, GpuError> {
         let wgsl = SceneKernel::link(descriptor, effects, constants)?;
         let cached = || {

@@ -17,6 +17,7 @@ pub mod program;
 pub mod recorder;
 pub mod scene_buffers;
 pub mod shader;
+pub mod specialize;
 pub mod textures;
 pub mod tiles;
 

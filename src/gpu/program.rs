@@ -41,7 +41,7 @@ impl<'a> SceneProgram<'a> {
         descriptor: &KernelDescriptor<'_>,
     ) -> Result<Self, GpuError> {
         let constants = KernelConstants::of(prepared);
-        let kernel = context.kernel(descriptor, &prepared.effects, constants)?;
+        let kernel = context.kernel(descriptor, &prepared.effects, &constants)?;
         let buffers = SceneBuffers::new(context, prepared)?;
         let device = &context.device;
         let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;

@@ -1,5 +1,6 @@
 //! Links WESL modules into one WGSL module.
 
+use super::specialize::SpecializedScene;
 use crate::accel::parts::Split;
 use crate::error::GpuError;
 use crate::prepare::Prepared;
@@ -15,7 +16,7 @@ pub use crate::error::SHADERS_VARIABLE;
 
 /// Values that differ between kernels and that WGSL needs as constants; they appear in the module
 /// `package::config`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KernelConstants {
     /// Entries of the traversal's stack.
     pub stack_depth: u32,
@@ -30,6 +31,8 @@ pub struct KernelConstants {
     pub light_boxes: u32,
     /// How nodes, primitives and attributes are split, where they are.
     pub split: Option<Split>,
+    /// The scene, where the kernel is specialized for it.
+    pub specialized: Option<SpecializedScene>,
 }
 
 impl Default for KernelConstants {
@@ -41,6 +44,7 @@ impl Default for KernelConstants {
             environment_group: 0,
             light_boxes: 0,
             split: None,
+            specialized: None,
         }
     }
 }
@@ -56,11 +60,12 @@ impl KernelConstants {
             environment_group: environment.map_or(0, |index| emitters.groups.of_light(index)),
             light_boxes: prepared.light_boxes.len() as u32,
             split: prepared.data.split,
+            specialized: SpecializedScene::of(prepared),
             ..Self::default()
         }
     }
 
-    fn to_wesl(self) -> String {
+    fn to_wesl(&self) -> String {
         let constants = [
             ("STACK_DEPTH", self.stack_depth),
             ("STAMP", self.stamp),
@@ -88,7 +93,7 @@ impl KernelConstants {
 pub fn link<'a>(
     entry: &str,
     features: impl IntoIterator<Item = (&'a str, bool)>,
-    constants: KernelConstants,
+    constants: &KernelConstants,
 ) -> Result<String, GpuError> {
     link_with(entry, None, features, constants)
 }
@@ -98,7 +103,7 @@ pub fn link_with<'a>(
     entry: &str,
     source: Option<&str>,
     features: impl IntoIterator<Item = (&'a str, bool)>,
-    constants: KernelConstants,
+    constants: &KernelConstants,
 ) -> Result<String, GpuError> {
     let fail = |message: String| GpuError::Shader {
         entry: entry.to_owned(),
@@ -116,6 +121,11 @@ pub fn link_with<'a>(
         add(&name, text)?;
     }
     add("config", constants.to_wesl())?;
+    let specialized = constants.specialized.as_ref();
+    add(
+        "specialized",
+        specialized.map_or_else(String::new, |w| w.text().to_owned()),
+    )?;
     if let Some(source) = source {
         add(entry, source.to_owned())?;
     }

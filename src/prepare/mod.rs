@@ -6,6 +6,7 @@ pub mod near_plane;
 mod scene_data;
 mod shiny;
 pub mod small_lights;
+mod specialize;
 mod view;
 
 pub use scene_data::SceneData;
@@ -45,6 +46,8 @@ pub struct Prepared {
     bright_texels: Vec<SmallLight>,
     /// What shows them.
     shiny: Vec<Shiny>,
+    /// Largest coordinate of what rays come from and go to, normalised space, as a power of two.
+    ray_reach: f64,
     /// What is compiled in, and why.
     pub effects: Effects,
 }
@@ -99,12 +102,15 @@ impl Prepared {
             small_lights: Vec::new(),
             bright_texels: Vec::new(),
             shiny: shiny_materials(data),
+            ray_reach: 0.0,
             effects,
         };
         prepared.call_for_scale();
         prepared.bright_texels = bright_texels(&prepared);
         prepared.look_from(camera, film);
         prepared.call_for_lights();
+        prepared.ray_reach = prepared.reach_of(&camera);
+        prepared.call_for_specialization();
         prepared
     }
 
@@ -122,6 +128,7 @@ impl Prepared {
         let has = |effect| self.effects.contains(effect);
         (in_view.is_empty() || has(Effect::LightsInView))
             && (small.is_empty() || has(Effect::NearMisses))
+            && self.is_specialized_for(camera)
     }
 
     /// The lights that are sampled in view of `camera`, and the small ones that samples meet by chance.

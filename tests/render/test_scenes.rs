@@ -98,7 +98,8 @@ fn dimmer(expect: &Expect) -> Expect {
 /// much too large, and is allowed so much), is nine of the image's standard errors, so that chance
 /// may take 4.5 of them and as many remain, which is the case in two thirds of the renders (the
 /// rest are mostly scenes that must be black, and BSDF sampling of small lights). Under the scene's
-/// own strategy there are 2²⁰ samples and more, none of which may be dropped.
+/// own strategy there are 2²⁰ samples and more, none of which may be dropped, and the kernel is
+/// specialized for it; under the others the scenes share the kernels that load them.
 #[test]
 fn every_strategy_finds_the_exact_values_and_no_others() {
     let context = context();
@@ -109,6 +110,7 @@ fn every_strategy_finds_the_exact_values_and_no_others() {
         let dimmer = dimmer(expected(&scene));
         for strategy in STRATEGIES {
             scene.render.estimator.strategy = strategy;
+            scene.render.estimator.specialize = strategy == own;
             scene.render.stop.spp = if strategy == own {
                 spp.max((1 << 20) / scene.film.pixels() as u64)
             } else {
@@ -147,6 +149,8 @@ fn images_are_as_bright_as_their_lights() {
     let context = context();
     for (name, mut scene) in test_scenes() {
         scene.render.stop.spp = 16;
+        // Of a specialized kernel the lights are part.
+        scene.render.estimator.specialize = false;
         let mut brighter = scene.clone();
         brighten(&mut brighter, 1.02);
         let [mean, brighter] = [scene, brighter].map(|scene| render(context, scene).mean());

@@ -124,7 +124,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, Error> {
     arguments.aov.apply(&mut scene);
     arguments.estimator.apply(&mut scene)?;
     let mut prepared = Prepared::of(scene);
-    let wgsl = SceneKernel::link(&DIRECT, &prepared.effects, KernelConstants::of(&prepared))?;
+    let wgsl = SceneKernel::link(&DIRECT, &prepared.effects, &KernelConstants::of(&prepared))?;
     if arguments.wgsl {
         print(&wgsl);
         return Ok(ExitCode::SUCCESS);

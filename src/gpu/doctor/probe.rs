@@ -18,7 +18,7 @@ pub(crate) fn probe(
     outputs: usize,
     workgroups: [u32; 2],
 ) -> Result<Vec<u32>, GpuError> {
-    let wgsl = shader::link(&format!("kernel::{name}"), [], KernelConstants::default())?;
+    let wgsl = shader::link(&format!("kernel::{name}"), [], &KernelConstants::default())?;
     let device = &context.device;
     let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
     let answers: GpuBuffer<u32> = GpuBuffer::zeroed(device, "probe.answers", outputs, usage);

@@ -4,6 +4,7 @@ use super::fetch::{Primitive, World};
 use super::opacity::{CROSSING_FIRST, CROSSING_SECOND, Crossings, opacity_at};
 use crate::accel::PrimitiveGeometry;
 use crate::accel::octahedral::octahedral;
+use crate::effects::Effect;
 use crate::reference::core::bvh::{Aabb, Children, enter_box};
 use crate::reference::core::ray::{Hit, Ray};
 use crate::reference::core::ray_ellipsoid::intersect_ellipsoid;
@@ -129,9 +130,13 @@ fn traverse(
     nearest
 }
 
-/// Whether the ray enters the box of a primitive that emits: it meets no light otherwise. The GPU's
-/// boxes are wider.
+/// Whether the ray enters the box of a primitive that emits, or in a specialized kernel would meet
+/// one if nothing lay before it: it meets no light otherwise. The GPU's boxes are wider.
 pub fn may_meet_light(world: &World<'_>, ray: &Ray) -> bool {
+    if world.prepared.effects.contains(Effect::SpecializedScene) {
+        let mut emitting = world.primitives.iter().filter(|p| p.light.is_some());
+        return emitting.any(|p| intersect_primitive(ray, p, f64::INFINITY).is_some());
+    }
     let inv_direction = ray.direction.recip();
     let mut emitting = world.primitives.iter().filter(|p| p.light.is_some());
     emitting.any(|p| {

@@ -106,9 +106,9 @@ impl<'a> Session<'a> {
             ..KernelConstants::of(prepared)
         };
         let kernel = if build.stamp == KernelConstants::default().stamp {
-            context.kernel(&DIRECT, &prepared.effects, constants)
+            context.kernel(&DIRECT, &prepared.effects, &constants)
         } else {
-            SceneKernel::new(context, &DIRECT, &prepared.effects, constants)
+            SceneKernel::new(context, &DIRECT, &prepared.effects, &constants)
         }?;
         let device = &context.device;
         let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;

@@ -4,6 +4,7 @@ mod attributes;
 mod bindings;
 mod fetch;
 mod opacity;
+mod specialize;
 mod surface;
 mod texture;
 mod trace;

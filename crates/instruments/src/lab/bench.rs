@@ -39,7 +39,7 @@ impl<'a> Bench<'a> {
     /// The kernel does not link, or the driver refuses it.
     pub fn new(context: &'a Context, name: &'static str) -> Result<Self, GpuError> {
         let module = format!("kernel::{name}");
-        let wgsl = shader::link(&module, [], KernelConstants::default())?;
+        let wgsl = shader::link(&module, [], &KernelConstants::default())?;
         let device = &context.device;
         let uniform = wgpu::BindingType::Buffer {
             ty: wgpu::BufferBindingType::Uniform,

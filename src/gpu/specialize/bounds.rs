@@ -1,0 +1,68 @@
+//! Planes that all of a scene lies on one side of: shadow rays never cross them.
+
+use crate::accel::{Primitive, PrimitiveGeometry};
+use crate::effects::Effect;
+use crate::emitters::Emitter;
+use crate::prepare::Prepared;
+use glam::DVec3;
+
+/// Per primitive, whether the scene and all its lights lie on one side of its plane, or in it up to
+/// `slack`, so that a ray between two of their points does not cross it. None where light comes from
+/// beyond all surfaces. None where it passes through them: a point on the other side of such a plane
+/// sees no light otherwise, as all are below its horizon.
+pub(super) fn bounding(prepared: &Prepared, slack: f64) -> Vec<bool> {
+    let primitives = &prepared.data.primitives;
+    let never = [
+        Effect::Refraction,
+        Effect::DirectionalLights,
+        Effect::Suns,
+        Effect::Environment,
+    ];
+    if never.iter().any(|e| prepared.effects.contains(*e)) {
+        return vec![false; primitives.len()];
+    }
+    let lights = prepared.emitters.lights.iter();
+    let points = lights.filter_map(|light| match light {
+        Emitter::Delta(light) => light.position(),
+        _ => None,
+    });
+    let points: Vec<DVec3> = points.collect();
+    let is_bounding = |p: &Primitive| {
+        let (PrimitiveGeometry::Triangle { a, u, v }
+        | PrimitiveGeometry::Rectangle { a, u, v }
+        | PrimitiveGeometry::Disk { a, u, v }) = p.geometry
+        else {
+            return false;
+        };
+        let n = u.cross(v).normalize_or_zero();
+        let heights = primitives.iter().map(|p| range(&p.geometry, n));
+        let of_points = points.iter().map(|x| [n.dot(*x); 2]);
+        let plane = n.dot(a);
+        let (mut before, mut behind) = (true, true);
+        for [low, high] in heights.chain(of_points) {
+            before &= low >= plane - slack;
+            behind &= high <= plane + slack;
+        }
+        before || behind
+    };
+    primitives.iter().map(is_bounding).collect()
+}
+
+/// The least and the greatest n · x of points x of a primitive, or beyond.
+fn range(geometry: &PrimitiveGeometry, n: DVec3) -> [f64; 2] {
+    let around = |middle: DVec3, half: f64| [n.dot(middle) - half, n.dot(middle) + half];
+    match *geometry {
+        PrimitiveGeometry::Triangle { a, u, v } => {
+            let [a, b, c] = [a, a + u, a + v].map(|corner| n.dot(corner));
+            [a.min(b).min(c), a.max(b).max(c)]
+        }
+        PrimitiveGeometry::Rectangle { a, u, v } => {
+            around(a + 0.5 * (u + v), 0.5 * (n.dot(u).abs() + n.dot(v).abs()))
+        }
+        PrimitiveGeometry::Disk { a, u, v } => around(a, n.dot(u).hypot(n.dot(v))),
+        PrimitiveGeometry::Sphere { .. } | PrimitiveGeometry::Ellipsoid { .. } => {
+            let (middle, radius) = geometry.bounding_sphere();
+            around(middle, radius)
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! What a ray meets of a scene.
+//!
+//! A planar primitive is met where its plane is, and there within its edges: in coordinates along
+//! these, whose scale and origin are literals. Where an edge lies on another primitive, both overlap
+//! by what rounding may put a ray off by, so that none passes between them. For shadow rays nothing
+//! does: small lights would see the difference, while rays between neighbours are too few to.
+
+use super::bounds::bounding;
+use super::boxes::{self, Solid};
+use super::condition::{Condition, Target, edges};
+use crate::accel::PrimitiveGeometry;
+use crate::prepare::Prepared;
+use glam::DVec3;
+use std::fmt::Write as _;
+
+/// The functions that ask what a ray meets.
+pub(super) fn functions(prepared: &Prepared) -> String {
+    let shapes = Shapes::new(prepared, prepared.overlap());
+    let exact = Shapes::new(prepared, 0.0);
+    let bounding = bounding(prepared, prepared.overlap());
+    let all = |_: &Target| true;
+    let between = |target: &Target| !bounding[target.index];
+    let emitting = |target: &Target| shapes.emits[target.index];
+    [
+        boxes::away_from_zero(),
+        shapes.closest_hit(),
+        shapes.meets_any("any_hit(ray: Ray, t_max: f32)", "t_max", all),
+        exact.meets_any("hides_light(ray: Ray)", "1.0", between),
+        shapes.meets_any("may_meet_light(ray: Ray)", "T_MAX", emitting),
+    ]
+    .concat()
+}
+
+/// The primitives of a scene.
+struct Shapes {
+    targets: Vec<Target>,
+    /// Per primitive, whether it emits.
+    emits: Vec<bool>,
+    /// Boxes that some of them are the sides of.
+    boxes: Vec<Solid>,
+}
+
+impl Shapes {
+    /// Those of `prepared`, of which neighbours overlap by `overlap`.
+    fn new(prepared: &Prepared, overlap: f64) -> Self {
+        let data = &prepared.data;
+        let mut emits = vec![false; data.primitives.len()];
+        for primitive in prepared.emitters.primitives() {
+            emits[primitive as usize] = true;
+        }
+        let targets = data.primitives.iter().enumerate().map(|(index, p)| Target {
+            index,
+            geometry: p.geometry,
+            one_sided: !data.scene.materials[p.material.index()].double_sided,
+            // What emits is as bright as it is large.
+            overlap: if emits[index] {
+                [0.0; 4]
+            } else {
+                overlaps(prepared, index, overlap)
+            },
+        });
+        let targets: Vec<_> = targets.collect();
+        let may_be_sides = targets.iter().filter(|t| !t.one_sided && !emits[t.index]);
+        let boxes = boxes::find(&may_be_sides.copied().collect::<Vec<_>>());
+        Self {
+            targets,
+            emits,
+            boxes,
+        }
+    }
+
+    /// What is no side of a box.
+    fn single(&self) -> impl Iterator<Item = &Target> {
+        let is_side = |target: &&Target| self.boxes.iter().any(|b| b.has(target.index));
+        self.targets.iter().filter(move |target| !is_side(target))
+    }
+
+    fn closest_hit(&self) -> String {
+        let mut text = "fn specialized_closest_hit(ray: Ray) -> Hit {\n    let o = ray.origin;\n    let d = ray.direction;\n    \
+                        var t = T_MAX;\n    var primitive = NONE;\n"
+            .to_owned();
+        for (number, solid) in self.boxes.iter().enumerate() {
+            text.push_str(&solid.closest(number));
+        }
+        for target in self.single() {
+            if let Some(Condition { before, holds }) = target.meets("t") {
+                let i = target.index;
+                let _ = write!(
+                    text,
+                    "{before}    let h{i} = {holds};\n    t = select(t, t{i}, h{i});\n    \
+                     primitive = select(primitive, {i}u, h{i});\n"
+                );
+            }
+        }
+        text.push_str("    return Hit(t, primitive, vec2f(0.0));\n}\n\n");
+        text
+    }
+
+    /// A function that says whether any of the primitives `of` is met before `t_max`; of a box where
+    /// any of its sides is one of them.
+    fn meets_any(&self, head: &str, t_max: &str, of: impl Fn(&Target) -> bool) -> String {
+        let is_of = |solid: &Solid| self.targets.iter().any(|t| solid.has(t.index) && of(t));
+        let boxes = self.boxes.iter().enumerate();
+        let boxes = boxes.filter(|(_, solid)| is_of(solid));
+        let boxes = boxes.map(|(number, solid)| solid.meets(number, t_max));
+        let single = self.single().filter(|target| of(target));
+        let single = single.filter_map(|target| target.meets(t_max));
+        let mut text = format!(
+            "fn specialized_{head} -> bool {{\n    let o = ray.origin;\n    let d = ray.direction;\n    var meets = false;\n"
+        );
+        for Condition { before, holds } in boxes.chain(single) {
+            let _ = writeln!(text, "{before}    meets = meets | ({holds});");
+        }
+        text.push_str("    return meets;\n}\n\n");
+        text
+    }
+}
+
+/// `overlap` at each edge of primitive `index` that lies on another one.
+fn overlaps(prepared: &Prepared, index: usize, overlap: f64) -> [f64; 4] {
+    let primitives = &prepared.data.primitives;
+    let others = primitives.iter().enumerate();
+    let others = others.filter(|(other, _)| *other != index);
+    let others = others.map(|(_, other)| &other.geometry);
+    let mut overlaps = [0.0; 4];
+    let at_edges = overlaps.iter_mut().zip(edges(&primitives[index].geometry));
+    for (at_edge, ends) in at_edges {
+        if others.clone().any(|other| lies_on(ends, other, overlap)) {
+            *at_edge = overlap;
+        }
+    }
+    overlaps
+}
+
+/// Whether an edge lies in the plane of a primitive and touches the box around it, within `slack`.
+fn lies_on([a, b]: [DVec3; 2], other: &PrimitiveGeometry, slack: f64) -> bool {
+    let (PrimitiveGeometry::Triangle { a: on, u, v }
+    | PrimitiveGeometry::Rectangle { a: on, u, v }
+    | PrimitiveGeometry::Disk { a: on, u, v }) = *other
+    else {
+        return false;
+    };
+    let n = u.cross(v).normalize_or_zero();
+    let (low, high) = other.bounds();
+    let around = DVec3::splat(slack);
+    [a, b].iter().all(|end| n.dot(*end - on).abs() <= slack)
+        && a.min(b).cmple(high + around).all()
+        && a.max(b).cmpge(low - around).all()
+}
