@@ -19,6 +19,7 @@
 //!                                │             what depends on the estimator as well
 //!                                ▼
 //!               gpu::GpuScene (uploaded once), gpu::SceneBuffers, gpu::shader::link (WESL → WGSL), gpu::SceneKernel
+//!                                │             a small scene is part of the kernel: gpu::specialize
 //!                                │
 //!                                ▼
 //!               render::Session: passes ─► blocks of 256 samples ─► Film (f64) ─► image::{exr, png}

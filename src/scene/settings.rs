@@ -294,8 +294,8 @@ render_table! {
         sampler: Sampler = Sampler::default(),
         /// Whether pixels take more samples where the error is large and fewer where it is small
         ///
-        /// [`StopSettings::spp`] on average. The first 16 are the same for all and say where that
-        /// is.
+        /// [`StopSettings::spp`] on average. A pilot of eight samples per pixel, which are no part
+        /// of the image, says where that is.
         #[flag(value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
         adaptive: bool = false,
     }

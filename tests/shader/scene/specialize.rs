@@ -284,5 +284,5 @@ fn what_shadow_rays_leave_out_hides_no_light() {
         );
         hidden_at_all += hidden;
     }
-    assert!(hidden_at_all > 10_000, "{hidden_at_all} hidden");
+    assert!(hidden_at_all > 1000, "{hidden_at_all} hidden");
 }
