@@ -102,14 +102,13 @@ impl Prepared {
             small_lights: Vec::new(),
             bright_texels: Vec::new(),
             shiny: shiny_materials(data),
-            ray_reach: 0.0,
+            ray_reach: specialize::ray_reach(normalization, &camera),
             effects,
         };
         prepared.call_for_scale();
         prepared.bright_texels = bright_texels(&prepared);
         prepared.look_from(camera, film);
         prepared.call_for_lights();
-        prepared.ray_reach = prepared.reach_of(&camera);
         prepared.call_for_specialization();
         prepared
     }

@@ -4,6 +4,7 @@ use super::Prepared;
 use crate::accel::PrimitiveGeometry;
 use crate::effects::Effect;
 use crate::scene::Camera;
+use crate::scene::normalize::Normalization;
 use glam::DVec3;
 
 /// Most primitives: a ray is held against each of them.
@@ -46,16 +47,16 @@ impl Prepared {
 
     /// Whether rays of `camera` are no less exact than a specialized kernel takes them for.
     pub(super) fn is_specialized_for(&self, camera: &Camera) -> bool {
-        !self.effects.contains(Effect::SpecializedScene) || self.reach_of(camera) <= self.ray_reach
+        !self.effects.contains(Effect::SpecializedScene)
+            || ray_reach(&self.data.normalization, camera) <= self.ray_reach
     }
+}
 
-    /// Largest coordinate of what rays of `camera` come from and go to, normalised space: a power
-    /// of two, so that a camera that moves seldom changes it.
-    pub(super) fn reach_of(&self, camera: &Camera) -> f64 {
-        let normalization = &self.data.normalization;
-        let eye = normalization.point(camera.eye).abs().max_element();
-        eye.max(normalization.reach).log2().ceil().exp2()
-    }
+/// Largest coordinate of what rays of `camera` come from and go to, normalised space: a power of
+/// two, so that a camera that moves seldom changes it.
+pub(super) fn ray_reach(normalization: &Normalization, camera: &Camera) -> f64 {
+    let eye = normalization.point(camera.eye).abs().max_element();
+    eye.max(normalization.reach).log2().ceil().exp2()
 }
 
 /// The least distance between parallel lines in the plane of a primitive that it lies between; of

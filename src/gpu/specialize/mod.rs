@@ -62,13 +62,10 @@ impl SpecializedScene {
         ];
         let scene = &prepared.data.scene;
         let materials = scene.materials.len() <= MAX_MATERIALS && !any(&varied);
-        let of_tables = [
-            Effect::EmissiveTexture,
-            Effect::AlphaLights,
-            Effect::LightTree,
-        ];
-        let lights = prepared.emitters.lights.len();
-        let lights = (1..=MAX_LIGHTS).contains(&lights) && !any(&of_tables);
+        let emitters = &prepared.emitters;
+        let lights = (1..=MAX_LIGHTS).contains(&emitters.lights.len())
+            && emitters.maps.is_empty()
+            && !any(&[Effect::LightTree]);
         let mut text = IMPORTS.to_owned();
         text.push_str(&geometry::functions(prepared));
         text.push_str(&tables::primitives(&primitive_words(prepared)));
@@ -93,7 +90,8 @@ impl SpecializedScene {
         &self.text
     }
 
-    /// WESL features, that of the effect among them, with their values.
+    /// WESL features with their values. That of the effect is among them: without the module there is
+    /// nothing that it could compile in.
     pub(super) fn features(of: Option<&Self>) -> [(&'static str, bool); 3] {
         [
             (Effect::SpecializedScene.feature(), of.is_some()),

@@ -133,12 +133,11 @@ fn traverse(
 /// Whether the ray enters the box of a primitive that emits, or in a specialized kernel would meet
 /// one if nothing lay before it: it meets no light otherwise. The GPU's boxes are wider.
 pub fn may_meet_light(world: &World<'_>, ray: &Ray) -> bool {
+    let mut emitting = world.primitives.iter().filter(|p| p.light.is_some());
     if world.prepared.effects.contains(Effect::SpecializedScene) {
-        let mut emitting = world.primitives.iter().filter(|p| p.light.is_some());
         return emitting.any(|p| intersect_primitive(ray, p, f64::INFINITY).is_some());
     }
     let inv_direction = ray.direction.recip();
-    let mut emitting = world.primitives.iter().filter(|p| p.light.is_some());
     emitting.any(|p| {
         let (low, high) = p.geometry.bounds();
         let aabb = Aabb { low, high };
