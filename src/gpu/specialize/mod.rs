@@ -15,7 +15,7 @@ mod geometry;
 mod tables;
 
 use super::gpu_scene::primitive_words;
-use super::layout::MATERIAL_WORDS;
+use super::layout::{LIGHT_WORDS, MATERIAL_WORDS};
 use super::lights::light_words;
 use super::materials::material_words;
 use super::textures::atlases;
@@ -76,7 +76,9 @@ impl SpecializedScene {
             text.push_str(&tables::materials(words));
         }
         if lights {
-            text.push_str(&tables::lights(&light_words(prepared, &[])));
+            let words = light_words(prepared, &[]);
+            let words = &words[..LIGHT_WORDS as usize * emitters.lights.len()];
+            text.push_str(&tables::lights(words));
         }
         Some(Self {
             text: text.into(),
