@@ -3,8 +3,8 @@
 
 use direkt::low_level::gpu::layout::{
     self, BvhUniform, CameraUniform, Dispatch, EnvironmentUniform, FeatureSums, FilmUniform, Frame,
-    LightInViewUniform, LightTreeUniform, LightsUniform, PatternsUniform, PixelState, SampleRecord,
-    ShadowUniform, SmallLightUniform, SurfaceRecord,
+    LightInViewUniform, LightTreeUniform, LightsUniform, PatternsUniform, PixelState, RowTask,
+    SampleRecord, ShadowUniform, SmallLightUniform, SurfaceRecord,
 };
 use direkt::low_level::gpu::shader::{KernelConstants, link_with};
 use direkt_instruments::lab::layout::{LabBlock, LabRun};
@@ -14,7 +14,7 @@ use std::mem::offset_of;
 fn reflected() -> naga::Module {
     let names: Vec<&str> = layout::shared_constants().iter().map(|c| c.name).collect();
     let mut source = String::from(
-        "import package::types::{Frame, Dispatch, FeatureSums, PixelState, SampleRecord, SurfaceRecord};\n",
+        "import package::types::{Frame, Dispatch, FeatureSums, PixelState, RowTask, SampleRecord, SurfaceRecord};\n",
     );
     for c in layout::shared_constants() {
         source += &format!("import package::{}::{};\n", c.module, c.name);
@@ -25,8 +25,9 @@ fn reflected() -> naga::Module {
                @group(0) @binding(3) var<storage, read_write> record: SampleRecord;\n\
                @group(0) @binding(4) var<storage, read_write> sums: FeatureSums;\n\
                @group(0) @binding(5) var<storage, read_write> surface: SurfaceRecord;\n\
+               @group(0) @binding(6) var<storage, read_write> task: RowTask;\n\
                @compute @workgroup_size(1) fn main() {\n\
-               frame.film.width = work.first_tile + state.samples + record.shadow + sums.samples + surface.primitive;\n";
+               frame.film.width = work.first_tile + state.samples + record.shadow + sums.samples + surface.primitive + task.row;\n";
     source += &format!("frame.film.height = {};\n}}\n", names.join(" + "));
     let wgsl = link_with(
         "test_layout",
@@ -224,10 +225,14 @@ fn structs_have_the_same_members() {
     let dispatch = members!(Dispatch {
         block_start,
         first_tile,
-        first_row,
+        first_task,
         target_position,
-        fresh,
         padding,
+    });
+    let task = members!(RowTask {
+        block_start,
+        row,
+        target_position,
     });
     let state = members!(PixelState {
         mean,
@@ -273,6 +278,7 @@ fn structs_have_the_same_members() {
     check(&module, "SampleRecord", size_of::<SampleRecord>(), &record);
     check(&module, "Frame", size_of::<Frame>(), &frame);
     check(&module, "Dispatch", size_of::<Dispatch>(), &dispatch);
+    check(&module, "RowTask", size_of::<RowTask>(), &task);
     check(&module, "PixelState", size_of::<PixelState>(), &state);
 }
 

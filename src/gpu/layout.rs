@@ -234,14 +234,25 @@ pub struct Dispatch {
     pub block_start: [u32; 2],
     /// First tile of this dispatch, counted over the image.
     pub first_tile: u32,
-    /// First row of this dispatch in the order of the bound region's pixels.
-    pub first_row: u32,
+    /// The first task of this dispatch, where workgroups have tasks.
+    pub first_task: u32,
+    /// Position in the block up to which every pixel is taken, where workgroups have no tasks.
+    pub target_position: u32,
+    /// Unused.
+    pub padding: u32,
+}
+
+/// `RowTask` of `shaders/types.wesl`: what a workgroup does, which is to take a row of pixels from
+/// where their states stand to a position in their block.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct RowTask {
+    /// Index of the first sample of the block, low and high word.
+    pub block_start: [u32; 2],
+    /// The row, in the order of the bound region's pixels.
+    pub row: u32,
     /// Position in the block up to which every pixel is taken.
     pub target_position: u32,
-    /// 1 starts the block afresh; with 0 every pixel goes on from where its state stands.
-    pub fresh: u32,
-    /// Unused.
-    pub padding: [u32; 2],
 }
 
 /// `PixelState` of `shaders/types.wesl`: one pixel's block of at most [`BLOCK_SAMPLES`] samples.

@@ -12,24 +12,23 @@ pub(super) mod checkpoint;
 mod progress;
 mod readback;
 mod region;
+mod tasks;
 
 use super::adaptive::{Allocation, PILOT};
 use super::film::Film;
 use crate::error::GpuError;
 use crate::gpu::kernel::{SceneBindings, SceneKernel};
-use crate::gpu::layout::{BLOCK_SAMPLES, Dispatch, Frame, TILE_PIXELS};
+use crate::gpu::layout::{BLOCK_SAMPLES, Dispatch, Frame, RowTask, TILE_PIXELS};
 use crate::gpu::{Context, GpuBuffer};
 use checkpoint::Saved;
-use progress::{Class, Progress};
+use progress::Progress;
 use region::Region;
-use std::ops::Range;
 use std::time::{Duration, Instant};
+use tasks::pixel_samples;
 
-/// Workgroups of one dispatch at most (WebGPU's default limit).
-const MAX_WORKGROUPS: u32 = 65_535;
 /// Dispatches without a finished pixel after which a scene counts as too deep for the driver's
 /// loops.
-const MAX_RETRIES: u32 = 4096;
+const MAX_RETRIES: u64 = 4096;
 
 /// Rays traced.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
@@ -126,19 +125,18 @@ impl<'a> Session<'a> {
         let targets = self.progress.targets(samples);
         loop {
             self.merge_full()?;
-            let classes = self.progress.classes.iter().zip(&targets).enumerate();
-            let behind = classes.filter(|(_, (class, target))| class.samples() < **target);
-            let behind: Vec<_> = behind
-                .map(|(class, (_, target))| (class, *target))
-                .collect();
-            if behind.is_empty() {
+            let classes = self.progress.classes.iter().zip(&targets);
+            let positions = classes.map(|(class, target)| class.position_towards(*target));
+            let positions: Vec<_> = positions.collect();
+            if self.progress.positions().eq(positions.iter().copied()) {
                 break;
             }
-            for (class, target) in behind {
-                if self.bring(class, target, &mut stop)? == StopReason::Interrupted {
+            for region in 0..self.regions.len() {
+                if self.bring(region, &positions, &mut stop)? == StopReason::Interrupted {
                     return Ok(StopReason::Interrupted);
                 }
             }
+            self.progress.reach(&positions);
         }
         if self.saved.is_due() {
             self.save()?;
@@ -146,59 +144,50 @@ impl<'a> Session<'a> {
         Ok(StopReason::Done)
     }
 
-    /// Takes the pixels of a class to `target` samples, at most to the end of the open block.
+    /// Takes the pixels of a region to their classes' `positions` in the open blocks.
     fn bring(
         &mut self,
-        class: usize,
-        target: u64,
+        region: usize,
+        positions: &[u32],
         stop: &mut impl FnMut() -> bool,
     ) -> Result<StopReason, GpuError> {
-        let Class { merged, position } = self.progress.classes[class];
-        let target = (target - merged).min(u64::from(BLOCK_SAMPLES)) as u32;
-        for region in 0..self.regions.len() {
-            let Range { mut start, end } = self.regions[region].rows[class];
-            while start < end {
-                if stop() {
-                    return Ok(StopReason::Interrupted);
-                }
-                let step = u64::from(TILE_PIXELS) * u64::from(target - position);
-                let fit = (self.budget / step).clamp(1, u64::from(MAX_WORKGROUPS));
-                let count = (fit as u32).min(end - start);
-                self.dispatch_rows((region, class), (start, count), target)?;
-                start += count;
+        let classes = (self.progress.classes.as_slice(), positions);
+        let software = self.context.adapter.software;
+        let first_sample = self.progress.first_sample();
+        let region = &self.regions[region];
+        let tasks = tasks::tasks(&region.rows, classes, first_sample, software);
+        let rows: Vec<RowTask> = tasks.iter().map(|task| task.task).collect();
+        self.context.checked(|| {
+            let bytes = bytemuck::cast_slice(&rows);
+            let queue = &self.context.queue;
+            queue.write_buffer(region.tasks.raw(), 0, bytes);
+        })?;
+        let mut first = 0;
+        while first < tasks.len() {
+            if stop() {
+                return Ok(StopReason::Interrupted);
             }
+            let count = tasks::of_one_dispatch(&tasks[first..], self.budget);
+            let done = pixel_samples(&tasks[first..][..count]);
+            let start = Instant::now();
+            self.dispatches += self.dispatch(region, first, count)?;
+            self.budget = self.next_budget(done, start.elapsed());
+            first += count;
         }
-        self.progress.classes[class].position = target;
         Ok(StopReason::Done)
     }
 
-    /// Brings `count` rows of pixels of a class, from the row `first_row` of a region on, to
-    /// `target`.
-    fn dispatch_rows(
-        &mut self,
-        (region, class): (usize, usize),
-        (first_row, count): (u32, u32),
-        target: u32,
-    ) -> Result<(), GpuError> {
-        let Class { merged, position } = self.progress.classes[class];
-        let block_start = self.progress.first_sample() + merged;
-        let region = &self.regions[region];
-        let mut parameters = Dispatch {
-            block_start: [block_start as u32, (block_start >> 32) as u32],
-            target_position: target,
-            fresh: u32::from(position == 0),
-            first_row,
+    /// Dispatches `count` of a region's tasks from the `first` on until they are done. Returns how
+    /// many dispatches that took.
+    fn dispatch(&self, region: &Region, first: usize, count: usize) -> Result<u64, GpuError> {
+        let parameters = Dispatch {
+            first_task: first as u32,
             ..Dispatch::default()
         };
-        let start = Instant::now();
-        for _ in 0..MAX_RETRIES {
-            self.dispatches += 1;
-            if self.submit(region, &parameters, count)? {
-                let step = u64::from(target - position) * u64::from(count * TILE_PIXELS);
-                self.budget = self.next_budget(step, start.elapsed());
-                return Ok(());
+        for dispatches in 1..=MAX_RETRIES {
+            if self.submit(region, &parameters, count as u32)? {
+                return Ok(dispatches);
             }
-            parameters.fresh = 0;
         }
         Err(self.context.driver_error(
             "the driver ends loops so early that a sample cannot be finished; `direkt doctor` tells its loop budget",

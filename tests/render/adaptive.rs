@@ -10,6 +10,7 @@ use direkt::low_level::stats::moments::Moments;
 use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::{FilmSize, Sampler, Scene, Strategy};
 use std::collections::BTreeSet;
+use std::time::Duration;
 
 const PILOT: u64 = 8;
 
@@ -171,6 +172,8 @@ fn a_render_that_begins_again_forgets_the_one_before() {
         assert!(new.snapshot().unwrap() == again.snapshot().unwrap());
     }
     let mut stopped = session(context, &prepared, 3);
+    // A dispatch is a row of pixels then, so that there is one to stop after.
+    stopped.set_dispatch_time(Duration::ZERO);
     take(&mut stopped, PILOT);
     let pilot = stopped.snapshot().unwrap().0;
     let mut asked = 0;

@@ -164,11 +164,7 @@ impl<'a> Session<'a> {
 
     /// Dispatches a tile without samples: some drivers compile at the first dispatch, not before.
     fn warm_up(&self) -> Result<(), GpuError> {
-        let nothing = Dispatch {
-            fresh: 1,
-            ..Dispatch::default()
-        };
-        self.submit(&self.regions[0], &nothing, 1)?;
+        self.submit(&self.regions[0], &Dispatch::default(), 1)?;
         Ok(())
     }
 

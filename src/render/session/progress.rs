@@ -19,6 +19,13 @@ impl Class {
         self.merged + u64::from(self.position)
     }
 
+    /// The position in its open block that brings it to `target` samples per pixel, or nearer to
+    /// it.
+    pub(crate) fn position_towards(self, target: u64) -> u32 {
+        let of_block = target.max(self.samples()) - self.merged;
+        of_block.min(u64::from(BLOCK_SAMPLES)) as u32
+    }
+
     /// Its block has been merged: the next one begins.
     pub(crate) fn open_block(&mut self) {
         (self.merged, self.position) = (self.samples(), 0);
@@ -62,6 +69,18 @@ impl Progress {
     /// Samples per pixel of each class.
     fn of_classes(&self) -> impl Iterator<Item = u64> + Clone {
         self.classes.iter().map(|class| class.samples())
+    }
+
+    /// Positions of the classes in their open blocks.
+    pub(crate) fn positions(&self) -> impl Iterator<Item = u32> {
+        self.classes.iter().map(|class| class.position)
+    }
+
+    /// Every pixel has reached its class's position of `positions`.
+    pub(crate) fn reach(&mut self, positions: &[u32]) {
+        for (class, position) in self.classes.iter_mut().zip(positions) {
+            class.position = *position;
+        }
     }
 
     /// Whether the pilot's image is still the best there is.

@@ -61,10 +61,14 @@ impl Session<'_> {
         let classes = self.progress.classes.iter().enumerate();
         let full = classes.filter(|(_, class)| class.is_full());
         let full: Vec<_> = full.map(|(class, _)| class).collect();
+        if full.is_empty() {
+            return Ok(());
+        }
         let mut blocks = Vec::new();
         for (index, region) in self.regions.iter().enumerate() {
-            for &class in &full {
-                blocks.push((index, self.read_rows(region, region.rows[class].clone())?));
+            let rows = full.iter().map(|class| region.rows[*class].clone());
+            for rows in joined(rows) {
+                blocks.push((index, self.read_rows(region, rows)?));
             }
         }
         // What the host knows changes at once, so that a device that is lost takes nothing with it.
@@ -156,6 +160,18 @@ pub(super) fn slots(rows: &Range<u32>, per_pixel: usize) -> Range<usize> {
     rows.start as usize * of_row..rows.end as usize * of_row
 }
 
+/// `ranges` that follow each other, without empty ones; those without a gap between them are one.
+fn joined(ranges: impl Iterator<Item = Range<u32>>) -> Vec<Range<u32>> {
+    let mut joined: Vec<Range<u32>> = Vec::new();
+    for range in ranges.filter(|range| !range.is_empty()) {
+        match joined.last_mut() {
+            Some(last) if last.end == range.start => last.end = range.end,
+            _ => joined.push(range),
+        }
+    }
+    joined
+}
+
 /// Merges a block of a region into `film`.
 fn merge(
     film: &mut Film,
@@ -181,5 +197,17 @@ fn merge(
         rays.camera += u64::from(state.samples + state.dropped);
         rays.shadow += u64::from(state.shadow_rays);
         rays.bsdf += u64::from(state.bsdf_rays);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_without_a_gap_are_one() {
+        let ranges = [0..0, 0..2, 2..2, 2..5, 5..5, 7..8, 9..9];
+        assert_eq!(joined(ranges.into_iter()), [0..5, 7..8]);
+        assert!(joined(std::iter::empty()).is_empty());
     }
 }

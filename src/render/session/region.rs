@@ -2,9 +2,10 @@
 
 use crate::effects::Effect;
 use crate::gpu::kernel::{ExtraBindings, PassBuffers, RegionBindings, SceneKernel};
-use crate::gpu::layout::{Dispatch, Frame, GroupMean, PixelState, TILE, TILE_PIXELS, lane_pixel};
+use crate::gpu::layout::{
+    Dispatch, Frame, GroupMean, PixelState, RowTask, TILE, TILE_PIXELS, lane_pixel,
+};
 use crate::gpu::{Context, GpuBuffer};
-use crate::lattice;
 use crate::prepare::Prepared;
 use crate::render::adaptive::CLASSES;
 use crate::scene::FilmSize;
@@ -31,6 +32,8 @@ pub(super) struct Region {
     order_buffer: GpuBuffer<u32>,
     /// Rows of each class.
     pub(super) rows: Vec<Range<u32>>,
+    /// What the workgroups of the next dispatches do.
+    pub(super) tasks: GpuBuffer<RowTask>,
 }
 
 impl Region {
@@ -65,14 +68,17 @@ impl Region {
             light_groups: light_groups.as_ref().map(|[groups, _]| groups),
         };
         let order_buffer = GpuBuffer::zeroed(device, "direct.order", count, usage);
+        let tasks = GpuBuffer::zeroed(device, "direct.tasks", count / ROW, usage);
+        let extra = vec![order_buffer.binding(), tasks.binding()];
         Self {
             first_tile,
             tiles,
             bindings: kernel.bind_region(device, &pass),
-            extra: kernel.bind_extra(device, vec![order_buffer.binding()]),
+            extra: kernel.bind_extra(device, extra),
             order: Vec::new(),
             order_buffer,
             rows: Vec::new(),
+            tasks,
             light_groups,
             pixels,
             staging: GpuBuffer::zeroed(device, "direct.pixels.staging", count, read),
@@ -115,31 +121,13 @@ impl Region {
             pixels.resize(pixels.len().next_multiple_of(ROW), NONE);
             let first = self.order.len() / ROW;
             let rows = pixels.len() / ROW;
-            let stride = stride(context.adapter.software, rows);
-            for i in 0..rows {
-                let row = &pixels[i * stride % rows * ROW..][..ROW];
-                self.order.extend_from_slice(row);
-            }
+            self.order.append(&mut pixels);
             self.rows.push(first as u32..(first + rows) as u32);
         }
         let bytes = bytemuck::cast_slice(&self.order);
         context
             .queue
             .write_buffer(self.order_buffer.raw(), 0, bytes);
-    }
-}
-
-/// How many rows lie between those that are taken one after the other, out of `rows`: so many that
-/// all are taken.
-///
-/// A driver in software hands each of its threads a contiguous part of a dispatch: if that were a
-/// contiguous part of the image, some threads would have the dear one, and the others would wait
-/// for them.
-fn stride(software: bool, rows: usize) -> usize {
-    if software {
-        lattice::coprime(rows as u32) as usize
-    } else {
-        1
     }
 }
 
@@ -164,42 +152,4 @@ pub(super) fn most_tiles(context: &Context, groups: u32) -> u32 {
     let of_tile = u64::from(TILE_PIXELS) * u64::from(groups) * size_of::<GroupMean>() as u64;
     let rows = u32::try_from(most / of_tile).unwrap_or(u32::MAX);
     rows.saturating_sub(CLASSES as u32).max(1)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_row_is_taken_once() {
-        for rows in 1..300 {
-            for software in [false, true] {
-                let stride = stride(software, rows);
-                let mut taken: Vec<_> = (0..rows).map(|i| i * stride % rows).collect();
-                taken.sort_unstable();
-                assert_eq!(taken, Vec::from_iter(0..rows), "{rows} rows");
-            }
-        }
-    }
-
-    /// Each of two threads gets as much of every eighth of the image, but for 3 rows of about 9,
-    /// whichever rows a dispatch takes.
-    #[test]
-    fn halves_of_a_dispatch_are_alike() {
-        const ROWS: usize = 4096;
-        const HALF: usize = 73;
-        let stride = stride(true, ROWS);
-        for first in (0..ROWS - 2 * HALF).step_by(HALF) {
-            let eighths = |first: usize| {
-                let mut count = [0_i32; 8];
-                for i in first..first + HALF {
-                    count[i * stride % ROWS * 8 / ROWS] += 1;
-                }
-                count
-            };
-            let (a, b) = (eighths(first), eighths(first + HALF));
-            let alike = a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 3);
-            assert!(alike, "from {first}: {a:?} and {b:?}");
-        }
-    }
 }
