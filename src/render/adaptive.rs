@@ -30,7 +30,7 @@ pub(super) const FIRST: u64 = 1 << 33;
 const FEWEST: u64 = 2;
 /// Columns and rows of a block of pixels that have the same number of samples: eight neighbouring
 /// lanes of the kernel.
-const BLOCK: [u32; 2] = [4, 2];
+const BLOCK: [usize; 2] = [4, 2];
 /// Pixels on each side of a pixel that help to tell its error.
 const RADIUS: usize = 2;
 /// The part of its block's error from which on a pixel has a number of samples of its own.
@@ -73,7 +73,7 @@ impl Allocation {
             let octaves = (root / middle).max(f64::MIN_POSITIVE).log2();
             (MIDDLE + f64::from(PER_OCTAVE) * octaves).clamp(0.0, highest) as u8
         };
-        let classes: Vec<_> = roots.iter().map(class).collect();
+        let classes: Vec<_> = roots.par_iter().map(class).collect();
         let mut pixels = vec![0; CLASSES];
         for class in &classes {
             pixels[usize::from(*class)] += 1;
@@ -102,6 +102,11 @@ impl Allocation {
     /// Class of the pixel `index`.
     pub(crate) fn class(&self, index: usize) -> usize {
         usize::from(self.classes[index])
+    }
+
+    /// Whether there is a pixel of `class`.
+    pub(crate) fn has(&self, class: usize) -> bool {
+        self.pixels[class] > 0
     }
 
     /// Samples of the pixels of `class` at a `level`: eight levels higher are twice the samples.
@@ -142,7 +147,7 @@ fn tell_errors(pilot: &Film) -> Option<Vec<f64>> {
         let [r, g, b] = pixel.mean;
         Some([squares, scatter, r, g, b])
     };
-    let told: Option<Vec<_>> = pilot.pixels.iter().map(tell).collect();
+    let told: Option<Vec<_>> = pilot.pixels.par_iter().map(tell).collect();
     let told = told?;
     let around = box_mean(&told, pilot.size, RADIUS);
     let [squares, scatter, r, g, b] = sum(told.par_iter().copied());
@@ -161,7 +166,7 @@ fn tell_errors(pilot: &Film) -> Option<Vec<f64>> {
     });
     let errors: Vec<_> = errors.collect();
     let [absolute, relative] = sum(errors.par_iter().copied());
-    let errors = errors.iter();
+    let errors = errors.par_iter();
     (absolute > 0.0 && relative > 0.0)
         .then(|| errors.map(|e| e[0] / absolute + e[1] / relative).collect())
 }
@@ -169,22 +174,31 @@ fn tell_errors(pilot: &Film) -> Option<Vec<f64>> {
 /// The same where the pixels of each block share their mean, but for one that holds more of the
 /// block's than all the others.
 fn share_in_blocks(size: FilmSize, errors: &[f64]) -> Vec<f64> {
+    let width = size.width as usize;
+    let [columns, rows] = BLOCK;
     let mut shared = errors.to_vec();
-    for y in (0..size.height).step_by(BLOCK[1] as usize) {
-        for x in (0..size.width).step_by(BLOCK[0] as usize) {
-            let rows = y..(y + BLOCK[1]).min(size.height);
-            let columns = x..(x + BLOCK[0]).min(size.width);
-            let pixels = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
-            let mut pixels: Vec<_> = pixels.map(|at| size.index(at)).collect();
-            let total: f64 = pixels.iter().map(|pixel| errors[*pixel]).sum();
-            pixels.retain(|pixel| errors[*pixel] <= ALONE * total);
-            let mean = pixels.iter().map(|pixel| errors[*pixel]).sum::<f64>() / pixels.len() as f64;
-            for pixel in pixels {
-                shared[pixel] = mean;
-            }
+    let bands = shared.par_chunks_mut(width * rows);
+    bands.for_each(|band| {
+        for x in (0..width).step_by(columns) {
+            let row = x..(x + columns).min(width);
+            let starts = (0..band.len()).step_by(width);
+            let pixels = starts.flat_map(|start| row.clone().map(move |x| start + x));
+            share(band, &pixels.collect::<Vec<_>>());
         }
-    }
+    });
     shared
+}
+
+/// Gives the `pixels` of a block the mean of their `errors`, but for one that holds more of the
+/// block's than all the others.
+fn share(errors: &mut [f64], pixels: &[usize]) {
+    let total: f64 = pixels.iter().map(|pixel| errors[*pixel]).sum();
+    let mut alike = pixels.to_vec();
+    alike.retain(|pixel| errors[*pixel] <= ALONE * total);
+    let mean = alike.iter().map(|pixel| errors[*pixel]).sum::<f64>() / alike.len() as f64;
+    for pixel in alike {
+        errors[pixel] = mean;
+    }
 }
 
 #[cfg(test)]

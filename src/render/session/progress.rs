@@ -117,7 +117,14 @@ impl Progress {
         };
         let mean = allocation.mean(self.of_classes()) + samples;
         self.level = allocation.level_of(mean, self.level);
-        let targets = (0..CLASSES).map(|class| allocation.target(self.level, class));
+        let targets = self.classes.iter().enumerate();
+        let targets = targets.map(|(number, class)| {
+            if allocation.has(number) {
+                allocation.target(self.level, number)
+            } else {
+                class.samples()
+            }
+        });
         targets.collect()
     }
 }
