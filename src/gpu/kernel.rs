@@ -48,7 +48,7 @@ pub const DIRECT: KernelDescriptor<'static> = KernelDescriptor {
     module: "kernel::direct",
     source: None,
     features: &[],
-    extra_bindings: &[READ, READ],
+    extra_bindings: &[READ],
 };
 
 /// The kernel that writes out single samples, `shaders/kernel/record.wesl`.

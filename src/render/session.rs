@@ -157,11 +157,8 @@ impl<'a> Session<'a> {
         let region = &self.regions[region];
         let tasks = tasks::tasks(&region.rows, classes, first_sample, software);
         let rows: Vec<RowTask> = tasks.iter().map(|task| task.task).collect();
-        self.context.checked(|| {
-            let bytes = bytemuck::cast_slice(&rows);
-            let queue = &self.context.queue;
-            queue.write_buffer(region.tasks.raw(), 0, bytes);
-        })?;
+        let queue = &self.context.queue;
+        self.context.checked(|| region.write_tasks(queue, &rows))?;
         let mut first = 0;
         while first < tasks.len() {
             if stop() {
@@ -181,7 +178,7 @@ impl<'a> Session<'a> {
     /// many dispatches that took.
     fn dispatch(&self, region: &Region, first: usize, count: usize) -> Result<u64, GpuError> {
         let parameters = Dispatch {
-            first_task: first as u32,
+            first_task: region.first_word(first),
             ..Dispatch::default()
         };
         for dispatches in 1..=MAX_RETRIES {

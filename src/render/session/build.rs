@@ -6,7 +6,7 @@ use super::region::{Region, light_groups, most_tiles};
 use super::{RayCounts, Session};
 use crate::error::GpuError;
 use crate::gpu::kernel::{DIRECT, SceneKernel};
-use crate::gpu::layout::{Dispatch, TILE, TILE_PIXELS};
+use crate::gpu::layout::{RowTask, TILE, TILE_PIXELS};
 use crate::gpu::shader::KernelConstants;
 use crate::gpu::{Context, GpuBuffer, SceneBuffers, frame_of};
 use crate::prepare::{Patterns, Prepared};
@@ -164,7 +164,11 @@ impl<'a> Session<'a> {
 
     /// Dispatches a tile without samples: some drivers compile at the first dispatch, not before.
     fn warm_up(&self) -> Result<(), GpuError> {
-        self.submit(&self.regions[0], &Dispatch::default(), 1)?;
+        let region = &self.regions[0];
+        let queue = &self.context.queue;
+        self.context
+            .checked(|| region.write_tasks(queue, &[RowTask::default()]))?;
+        self.dispatch(region, 0, 1)?;
         Ok(())
     }
 

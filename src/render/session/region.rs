@@ -13,6 +13,8 @@ use std::ops::Range;
 
 /// Pixels of a row: those of one workgroup.
 const ROW: usize = TILE_PIXELS as usize;
+/// Words of a task.
+const TASK: usize = size_of::<RowTask>() / size_of::<u32>();
 /// Beyond the last pixel of a row, `NONE` in the kernel.
 const NONE: u32 = u32::MAX;
 
@@ -29,11 +31,10 @@ pub(super) struct Region {
     pub(super) extra: ExtraBindings,
     /// The pixels as x + 2¹⁶·y in the order of their states, class by class, in rows of 64.
     order: Vec<u32>,
-    order_buffer: GpuBuffer<u32>,
+    /// The same on the device, and behind it the tasks of the next dispatches.
+    schedule: GpuBuffer<u32>,
     /// Rows of each class.
     pub(super) rows: Vec<Range<u32>>,
-    /// What the workgroups of the next dispatches do.
-    pub(super) tasks: GpuBuffer<RowTask>,
 }
 
 impl Region {
@@ -67,18 +68,16 @@ impl Region {
             unfinished,
             light_groups: light_groups.as_ref().map(|[groups, _]| groups),
         };
-        let order_buffer = GpuBuffer::zeroed(device, "direct.order", count, usage);
-        let tasks = GpuBuffer::zeroed(device, "direct.tasks", count / ROW, usage);
-        let extra = vec![order_buffer.binding(), tasks.binding()];
+        let words = count + count / ROW * TASK;
+        let schedule = GpuBuffer::zeroed(device, "direct.schedule", words, usage);
         Self {
             first_tile,
             tiles,
             bindings: kernel.bind_region(device, &pass),
-            extra: kernel.bind_extra(device, extra),
+            extra: kernel.bind_extra(device, vec![schedule.binding()]),
             order: Vec::new(),
-            order_buffer,
+            schedule,
             rows: Vec::new(),
-            tasks,
             light_groups,
             pixels,
             staging: GpuBuffer::zeroed(device, "direct.pixels.staging", count, read),
@@ -94,6 +93,18 @@ impl Region {
     pub(super) fn pixel(&self, slot: usize) -> Option<(u32, u32)> {
         let packed = self.order[slot];
         (packed != NONE).then_some((packed & 0xffff, packed >> 16))
+    }
+
+    /// Hands `tasks` to the next dispatches.
+    pub(super) fn write_tasks(&self, queue: &wgpu::Queue, tasks: &[RowTask]) {
+        let behind_pixels = size_of_val(self.order.as_slice()) as u64;
+        let bytes = bytemuck::cast_slice(tasks);
+        queue.write_buffer(self.schedule.raw(), behind_pixels, bytes);
+    }
+
+    /// Where task number `task` begins in the schedule.
+    pub(super) fn first_word(&self, task: usize) -> u32 {
+        (self.order.len() + task * TASK) as u32
     }
 
     /// Sorts the pixels of an image of `size` into `classes` classes. Their states are not moved.
@@ -125,9 +136,7 @@ impl Region {
             self.rows.push(first as u32..(first + rows) as u32);
         }
         let bytes = bytemuck::cast_slice(&self.order);
-        context
-            .queue
-            .write_buffer(self.order_buffer.raw(), 0, bytes);
+        context.queue.write_buffer(self.schedule.raw(), 0, bytes);
     }
 }
 

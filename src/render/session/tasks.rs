@@ -80,10 +80,13 @@ pub(super) fn of_one_dispatch(tasks: &[Task], budget: u64) -> usize {
 mod tests {
     use super::*;
 
+    fn class(merged: u64, position: u32) -> Class {
+        Class { merged, position }
+    }
+
     /// Classes with few and many rows and samples; one has what it should.
     fn example(software: bool) -> Vec<Task> {
         let rows = [0..2000, 2000..2900, 2900..2900, 2900..3600, 3600..4096];
-        let class = |merged, position| Class { merged, position };
         let classes = [
             class(0, 0),
             class(0, 1),
@@ -102,7 +105,8 @@ mod tests {
             let behind = (0..2900).chain(3600..4096);
             assert_eq!(rows, Vec::from_iter(behind), "{software}");
         }
-        assert!(tasks(&[0..3], (&[Class::default()], &[0]), 0, true).is_empty());
+        let nothing_to_do = [class(0, 5), class(256, 0)];
+        assert!(tasks(&[0..3, 3..4], (&nothing_to_do, &[5, 0]), 0, true).is_empty());
     }
 
     #[test]
