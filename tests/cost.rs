@@ -37,7 +37,7 @@ fn stopped_at(at: &str, strategies: &[Strategy], budget: f64) -> Option<SceneCos
 #[test]
 fn without_the_least_counts_there_is_no_result() {
     for at in [
-        "compiling light-area · sobol · auto",
+        "compiling light-area · sobol · auto · adaptive",
         "compiling the reference",
         "reference",
         "1 samples per pixel",

@@ -297,7 +297,7 @@ render_table! {
         /// [`StopSettings::spp`] on average. A pilot of eight samples per pixel, which are no part
         /// of the image, says where that is.
         #[flag(value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
-        adaptive: bool = false,
+        adaptive: bool = true,
     }
 
     /// When a render ends: at the first of these.

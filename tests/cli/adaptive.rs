@@ -10,13 +10,17 @@ fn adaptive_images_tell_their_samples() {
     let source = std::fs::read_to_string(crate::support::project("scenes/cornell.toml")).unwrap();
     let table = "[render]\n";
     assert!(source.contains(table));
-    std::fs::write(&scene, source.replace(table, "[render]\nadaptive = true\n")).unwrap();
+    std::fs::write(
+        &scene,
+        source.replace(table, "[render]\nadaptive = false\n"),
+    )
+    .unwrap();
     let [exr, json] = ["a.exr", "a.json"].map(|n| folder.path().join(n));
     let cases = [
-        ("scenes/cornell.toml", vec![], false),
-        ("scenes/cornell.toml", vec!["--adaptive"], true),
-        (text(&scene), vec![], true),
-        (text(&scene), vec!["--adaptive=false"], false),
+        ("scenes/cornell.toml", vec![], true),
+        ("scenes/cornell.toml", vec!["--adaptive=false"], false),
+        (text(&scene), vec![], false),
+        (text(&scene), vec!["--adaptive"], true),
     ];
     for (scene, flags, adaptive) in cases {
         let common = ["render", scene, "--spp", "64", "--size", "64x64"];

@@ -128,10 +128,18 @@ fn check_table(csv: &str, scene: &Value) {
 #[test]
 fn shadow_rays_and_their_patterns_are_compared() {
     let folder = tempfile::tempdir().unwrap();
-    let [json, csv] = ["a.json", "a.csv"].map(|n| folder.path().join(n));
+    let [json, csv, uniform] = ["a.json", "a.csv", "uniform.toml"].map(|n| folder.path().join(n));
+    let cornell = read(&crate::support::project("scenes/cornell.toml"));
+    let table = "[render]\n";
+    assert!(cornell.contains(table));
+    std::fs::write(
+        &uniform,
+        cornell.replace(table, "[render]\nadaptive = false\n"),
+    )
+    .unwrap();
     let arguments = [
         "cost",
-        CORNELL,
+        text(&uniform),
         "--size",
         "24x16",
         "--strategies",

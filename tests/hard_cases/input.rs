@@ -48,6 +48,7 @@ fn small(mut scene: Scene) -> Scene {
         height: 32,
     };
     scene.render.estimator.sampler = Sampler::Independent;
+    scene.render.estimator.adaptive = false;
     scene.render.estimator.light_sampling = LightSampling::SolidAngle;
     scene.render.estimator.light_selection = LightSelection::Uniform;
     scene

@@ -66,11 +66,12 @@ pub fn scene_as_it_is(path: &str) -> Scene {
     load(&project(path), &LoadOptions::default()).unwrap()
 }
 
-/// Loads a scene of the project, with the independent samples that most tests of chance rest on;
-/// tests of other samplers say so.
+/// Loads a scene of the project, with the independent samples, as many for each pixel, that most
+/// tests of chance rest on; tests of other samplers and of adaptive sampling say so.
 pub fn scene(path: &str) -> Scene {
     let mut scene = scene_as_it_is(path);
     scene.render.estimator.sampler = Sampler::Independent;
+    scene.render.estimator.adaptive = false;
     scene
 }
 
@@ -213,6 +214,7 @@ pub fn floor_pixel() -> Scene {
         render: RenderSettings {
             estimator: EstimatorSettings {
                 sampler: Sampler::Independent,
+                adaptive: false,
                 ..EstimatorSettings::default()
             },
             stop: StopSettings {
