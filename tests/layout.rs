@@ -115,7 +115,9 @@ fn structs_have_the_same_members() {
         grid_origin,
         root,
         grid_scale,
-        logarithmic_grid
+        logarithmic_grid,
+        small_box,
+        padding,
     });
     check(&module, "BvhUniform", size_of::<BvhUniform>(), &bvh);
     let environment = members!(EnvironmentUniform {

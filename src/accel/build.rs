@@ -11,6 +11,13 @@ use obvhs::bvh2::builder::build_bvh2;
 use obvhs::ploc::{PlocSearchDistance, SortPrecision};
 use obvhs::{Boundable, BvhBuildParams};
 
+/// Primitives that count as few: none is large beside the others.
+pub const FEW: usize = 64;
+/// Large primitives at most.
+const MOST_LARGE: usize = 32;
+/// What part of the surface of the box around a scene that of a large primitive's box is at least.
+const LEAST_PART: f32 = 1.0 / 256.0;
+
 /// A primitive's box, rounded outwards.
 struct Boxed(Aabb);
 
@@ -35,14 +42,47 @@ pub fn build(primitives: &mut Vec<Primitive>) -> Bvh {
     if primitives.is_empty() {
         return Bvh::default();
     }
+    let mut large = take_large(primitives);
+    let mut parts = vec![hierarchy(primitives)];
+    if !large.is_empty() {
+        parts.push(hierarchy(&mut large));
+    }
+    primitives.append(&mut large);
+    flatten(&parts.iter().collect::<Vec<_>>())
+}
+
+/// Reorders `primitives` into leaf order and returns the hierarchy over them.
+fn hierarchy(primitives: &mut Vec<Primitive>) -> Bvh2 {
     let boxes: Vec<Boxed> = primitives.iter().map(boxed).collect();
     let mut seconds = std::time::Duration::ZERO;
     let mut bvh2 = build_bvh2(&boxes, parameters(primitives.len()), &mut seconds);
-    if bvh2.depth(0) > MAX_DEPTH {
+    // A part may hang one level below the root.
+    if bvh2.depth(0) >= MAX_DEPTH {
         bvh2 = median_split(&boxes);
     }
     sort_by_leaves(primitives, &bvh2);
-    flatten(&bvh2)
+    bvh2
+}
+
+/// Takes the large ones from `primitives`, in their order: those whose boxes have a part of
+/// [`LEAST_PART`] of the surface of the box around all. None where all are few, or where many are
+/// large.
+fn take_large(primitives: &mut Vec<Primitive>) -> Vec<Primitive> {
+    let boxes: Vec<Aabb> = primitives.iter().map(|p| boxed(p).0).collect();
+    let all = boxes.iter().fold(Aabb::INVALID, |all, one| all.union(one));
+    let least = LEAST_PART * all.half_area();
+    let is_large = |one: &Aabb| one.half_area() >= least;
+    let large = boxes.iter().filter(|one| is_large(one)).count();
+    if primitives.len() <= FEW || large > MOST_LARGE {
+        return Vec::new();
+    }
+    let (large, small): (Vec<_>, Vec<_>) = primitives
+        .drain(..)
+        .zip(&boxes)
+        .partition(|(_, one)| is_large(one));
+    let primitives_of = |of: Vec<(Primitive, &Aabb)>| of.into_iter().map(|(p, _)| p).collect();
+    *primitives = primitives_of(small);
+    primitives_of(large)
 }
 
 /// Distances from the centre that lie between two parts of an extreme scene, as a power of two.
@@ -140,4 +180,66 @@ fn split_node(bvh2: &mut Bvh2, boxes: &[Boxed], indices: &mut [u32], first: u32,
     let (left, right) = indices.split_at_mut(half);
     split_node(bvh2, boxes, left, first, children);
     split_node(bvh2, boxes, right, first + half as u32, children + 1);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::PrimitiveGeometry;
+    use crate::scene::{MaterialId, ShapeId};
+
+    /// `small` unit squares in a row, and in turns with the first of them `large` ones with sides of
+    /// half the row.
+    fn squares(small: u32, large: u32) -> Vec<Primitive> {
+        let square = |i: u32, side: f64| Primitive {
+            geometry: PrimitiveGeometry::Rectangle {
+                a: DVec3::new(0.0, f64::from(2 * i), 0.0),
+                u: side * DVec3::X,
+                v: side * DVec3::Y,
+            },
+            material: MaterialId(0),
+            shape: ShapeId(0),
+            part: i,
+        };
+        let of_large = |i: u32| (i < large).then(|| square(i, f64::from(small)));
+        let both = (0..small).flat_map(|i| of_large(i).into_iter().chain([square(i, 1.0)]));
+        both.collect()
+    }
+
+    #[test]
+    fn few_large_primitives_come_last() {
+        let mut primitives = squares(500, 2);
+        let bvh = build(&mut primitives);
+        let small = bvh.small.expect("two are large");
+        assert_eq!((small.count, primitives.len()), (500, 502));
+        let side = |p: &Primitive| {
+            let (low, high) = p.geometry.bounds();
+            (high - low).x
+        };
+        assert!(
+            primitives[..500]
+                .iter()
+                .all(|p| (side(p) - 1.0).abs() < 1e-9)
+        );
+        assert!(
+            primitives[500..]
+                .iter()
+                .all(|p| (side(p) - 500.0).abs() < 1e-9)
+        );
+        let mut parts: Vec<_> = primitives[..500].iter().map(|p| p.part).collect();
+        parts.sort_unstable();
+        assert_eq!(parts, Vec::from_iter(0..500));
+        let [low, high] = small.bounds;
+        assert!(low.x < 0.0 && low.x > -1e-3 && high.x > 1.0 && high.x < 1.001);
+        assert_ne!(small.root, bvh.root);
+    }
+
+    #[test]
+    fn where_all_are_few_or_many_are_large_none_is_set_apart() {
+        for (small, large) in [(62, 2), (500, 0), (500, MOST_LARGE as u32 + 1)] {
+            let mut primitives = squares(small, large);
+            assert_eq!(build(&mut primitives).small, None, "{small}, {large}");
+            assert_eq!(primitives.len() as u32, small + large);
+        }
+    }
 }

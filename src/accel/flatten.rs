@@ -2,6 +2,7 @@
 //! 32-byte node.
 
 use super::grid::Grid;
+use glam::DVec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 
@@ -39,6 +40,21 @@ pub struct Bvh {
     pub depth: usize,
     /// The grid that the boxes are rounded to.
     pub grid: Grid,
+    /// What is not large, where a few primitives are large beside the others.
+    pub small: Option<Small>,
+}
+
+/// All primitives but a few that are large, which come after them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Small {
+    /// How many they are.
+    pub count: usize,
+    /// Reference to the root of the hierarchy over them.
+    pub root: u32,
+    /// The box around them on the grid.
+    pub grid_box: [u32; 3],
+    /// The box around them.
+    pub bounds: [DVec3; 2],
 }
 
 impl Default for Bvh {
@@ -48,16 +64,32 @@ impl Default for Bvh {
             root: LEAF,
             depth: 0,
             grid: Grid::default(),
+            small: None,
         }
     }
 }
 
-/// Flattens `bvh2`, whose primitives are already in the order of its leaves.
-pub fn flatten(bvh2: &Bvh2) -> Bvh {
-    let root_box = bvh2.nodes[0].aabb();
-    let corner = |c: glam::Vec3A| glam::Vec3::from(c).as_dvec3();
-    let grid = Grid::even(corner(root_box.min), corner(root_box.max));
-    flatten_all(&[bvh2], grid)
+/// Flattens `parts`, whose primitives are already in the order of their leaves, one part after the
+/// other: all primitives, or the small and the large ones.
+pub fn flatten(parts: &[&Bvh2]) -> Bvh {
+    let boxes = parts.iter().map(|part| *part.nodes[0].aabb());
+    let [low, high] = corners(&boxes.fold(Aabb::INVALID, |a, b| a.union(&b)));
+    let mut bvh = flatten_all(parts, Grid::even(low, high));
+    if let [small, _] = parts {
+        let top = &bvh.nodes[bvh.root as usize];
+        bvh.small = Some(Small {
+            count: small.primitive_indices.len(),
+            root: top.first,
+            grid_box: top.first_box,
+            bounds: corners(small.nodes[0].aabb()),
+        });
+    }
+    bvh
+}
+
+/// The lower and the upper corner of a box.
+fn corners(of: &Aabb) -> [DVec3; 2] {
+    [of.min, of.max].map(|corner| glam::Vec3::from(corner).as_dvec3())
 }
 
 /// The hierarchy that holds all of `parts`, whose primitives are already in the order of their

@@ -86,7 +86,8 @@ effects! {
     Ellipsoids "ELLIPSOIDS" "ellipsoids" Simulation |r| r.shape(|s| matches!(s, Shape::Ellipsoid { .. }));
     /// Boxes of the hierarchy on a logarithmic grid: detail in a scene that is much larger.
     LogarithmicGrid "LOGARITHMIC_GRID" "logarithmic-grid" Simulation |_| None;
-    /// A small scene, for which the kernel is specialized: nothing of it is loaded.
+    /// A small scene, or a few large primitives, for which the kernel is specialized: these are not
+    /// loaded.
     SpecializedScene "SPECIALIZED_SCENE" "specialized-scene" Arithmetic |_| None;
     /// Surfaces whose back does not exist.
     OneSided "ONE_SIDED" "one-sided-surfaces" Simulation

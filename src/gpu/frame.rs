@@ -21,7 +21,7 @@ use glam::DVec3;
 pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
     let camera = prepared.data.normalization.camera(&prepared.camera);
     let half_height = camera.half_height();
-    let bvh = &prepared.data.bvh;
+    let (bvh, small) = (&prepared.data.bvh, prepared.loaded());
     let filter = prepared.data.scene.filter.table();
     let shadow_grid = prepared.shadow_grid();
     let near_plane = prepared.near_plane();
@@ -59,9 +59,11 @@ pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
         },
         bvh: BvhUniform {
             grid_origin: bvh.grid.origin.to_array(),
-            root: bvh.root,
+            root: small.map_or(bvh.root, |small| small.root),
             grid_scale: bvh.grid.scale.to_array(),
             logarithmic_grid: u32::from(bvh.grid.logarithmic),
+            small_box: small.map_or([0; 3], |small| small.grid_box),
+            padding: 0,
         },
         environment: environment_of(prepared),
         light_tree: light_tree_of(prepared),

@@ -67,6 +67,11 @@ pub struct BvhUniform {
     pub grid_scale: [f32; 3],
     /// 1 where the grid is logarithmic.
     pub logarithmic_grid: u32,
+    /// Where the kernel is specialized for a few large primitives, the box around the others on the
+    /// grid.
+    pub small_box: [u32; 3],
+    /// Unused.
+    pub padding: u32,
 }
 
 /// `EnvironmentUniform` of `shaders/types.wesl`. The environment.
@@ -234,7 +239,8 @@ pub struct Dispatch {
     pub block_start: [u32; 2],
     /// First tile of this dispatch, counted over the image.
     pub first_tile: u32,
-    /// The first task of this dispatch, where workgroups have tasks.
+    /// Where the tasks of this dispatch begin in the bound region's schedule, in words; for kernels
+    /// whose workgroups have tasks.
     pub first_task: u32,
     /// Position in the block up to which every pixel is taken, where workgroups have no tasks.
     pub target_position: u32,

@@ -2,13 +2,14 @@
 
 use super::Prepared;
 use crate::accel::PrimitiveGeometry;
+use crate::accel::build::FEW;
+use crate::accel::flatten::Small;
 use crate::effects::Effect;
 use crate::scene::Camera;
 use crate::scene::normalize::Normalization;
 use glam::DVec3;
+use std::ops::Range;
 
-/// Most primitives: a ray is held against each of them.
-const MOST_PRIMITIVES: usize = 64;
 /// What rounding may put a ray off a plane's coordinates by, over the largest coordinate of what
 /// it comes from and goes to: 16 units of rounding.
 const ROUNDING: f64 = 16.0 / 16_777_216.0;
@@ -16,8 +17,8 @@ const ROUNDING: f64 = 16.0 / 16_777_216.0;
 const LEAST_HEIGHT: f64 = 4096.0;
 
 impl Prepared {
-    /// Specializes the kernel where the scene is small, and every primitive large beside what
-    /// neighbours overlap by.
+    /// Specializes the kernel where the scene is small, or a few of its primitives are large, and
+    /// each of these is much larger than what neighbours overlap by.
     pub(super) fn call_for_specialization(&mut self) {
         if !self.settings.estimator.specialize {
             return;
@@ -28,15 +29,41 @@ impl Prepared {
             Effect::DistantCamera,
         ];
         let never = never.into_iter().any(|e| self.effects.contains(e));
-        let primitives = &self.data.primitives;
+        let all = &self.data.primitives;
+        let written = self.written_out();
         let least = LEAST_HEIGHT * self.overlap();
-        let fit = || primitives.iter().all(|p| height(&p.geometry) >= least);
-        if !never && (1..=MOST_PRIMITIVES).contains(&primitives.len()) && fit() {
-            let primitives = primitives.len();
+        let fit = || {
+            all[written.clone()]
+                .iter()
+                .all(|p| height(&p.geometry) >= least)
+        };
+        if !never && !written.is_empty() && fit() {
+            let (count, all) = (written.len(), all.len());
             self.effects.call_for(Effect::SpecializedScene, || {
-                format!("{primitives} primitives")
+                if count == all {
+                    format!("{count} primitives")
+                } else {
+                    format!("{count} large ones of {all} primitives")
+                }
             });
         }
+    }
+
+    /// The primitives that stand in a specialized kernel as literals: all where they are few, else
+    /// those that are large beside the others.
+    pub fn written_out(&self) -> Range<usize> {
+        let all = self.data.primitives.len();
+        match &self.data.bvh.small {
+            Some(small) => small.count..all,
+            None if all <= FEW => 0..all,
+            None => all..all,
+        }
+    }
+
+    /// What a specialized kernel does not have as literals but loads, where that is anything.
+    pub fn loaded(&self) -> Option<&Small> {
+        let small = self.data.bvh.small.as_ref();
+        small.filter(|_| self.effects.contains(Effect::SpecializedScene))
     }
 
     /// What neighbouring primitives of a specialized kernel overlap by, so that no ray passes

@@ -283,10 +283,10 @@ render_table! {
         #[schemars(range(min = 0, max = 64))]
         #[flag(value_name = "N", value_parser = clap::value_parser!(u32).range(0..=i64::from(MAX_SPECULAR_DEPTH)))]
         max_specular_depth: u32 = 8,
-        /// Whether the kernel of a small scene is compiled for that scene alone
+        /// Whether the kernel is compiled for a small scene, or a few large primitives, alone
         ///
-        /// Its shapes, materials and lights stand in the shader then and are not loaded, which is
-        /// several times as fast in software. Images differ in their last digits.
+        /// They, materials and lights stand in the shader then and are not loaded, which is several
+        /// times as fast in software. Images differ in their last digits.
         #[flag(value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
         specialize: bool = true,
         /// How random numbers are made

@@ -4,6 +4,7 @@ use super::lights::Lights;
 use super::navigation::CameraController;
 use super::picture::Picture;
 use direkt::error::{Error, InputError};
+use direkt::low_level::effects::Effect;
 use direkt::low_level::image::png::{self, Display};
 use direkt::low_level::image::{exr, extension};
 use direkt::low_level::output;
@@ -25,7 +26,10 @@ pub fn image(
     match extension(path).as_str() {
         "png" => png::write(path, &picture.film, display),
         "exr" => {
-            let settings = picture.method.settings;
+            let mut settings = picture.method.settings;
+            let mut effects = picture.effects.iter();
+            settings.estimator.specialize &=
+                effects.any(|(effect, _)| *effect == Effect::SpecializedScene);
             let attributes = [
                 ("scene", source.display().to_string()),
                 ("spp", picture.samples.to_string()),

@@ -100,7 +100,10 @@ impl<'a> View<'a> {
                 Arc::new(SceneData::new(scene))
             }
         };
-        let mut prepared = Prepared::seen_by(&data, (request.camera, request.film), settings);
+        let mut used = settings;
+        // A large scene is not compiled anew for each edit.
+        used.estimator.specialize &= data.bvh.small.is_none();
+        let mut prepared = Prepared::seen_by(&data, (request.camera, request.film), used);
         for &effect in &method.forced {
             prepared.effects.force(effect);
         }

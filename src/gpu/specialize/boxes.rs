@@ -204,6 +204,7 @@ mod tests {
                 v: edges[v],
             },
             one_sided: false,
+            emits: false,
             overlap: [0.0; 4],
         };
         corners.into_iter().enumerate().map(side).collect()

@@ -19,6 +19,7 @@ pub(super) struct Target {
     pub(super) geometry: PrimitiveGeometry,
     /// Whether rays pass through its back.
     pub(super) one_sided: bool,
+    pub(super) emits: bool,
     /// What a planar primitive is larger by at each of its [`edges`].
     pub(super) overlap: [f64; 4],
 }

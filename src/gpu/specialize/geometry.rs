@@ -1,4 +1,4 @@
-//! What a ray meets of a scene.
+//! What a ray meets of the primitives that are written out.
 //!
 //! A planar primitive is met where its plane is, and there within its edges: in coordinates along
 //! these, whose scale and origin are literals. Where an edge lies on another primitive, both overlap
@@ -11,6 +11,7 @@ use super::condition::{Condition, Target, edges};
 use crate::accel::PrimitiveGeometry;
 use crate::prepare::Prepared;
 use glam::DVec3;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 /// The functions that ask what a ray meets.
@@ -19,8 +20,8 @@ pub(super) fn functions(prepared: &Prepared) -> String {
     let exact = Shapes::new(prepared, 0.0);
     let bounding = bounding(prepared, prepared.overlap());
     let all = |_: &Target| true;
-    let between = |target: &Target| !bounding[target.index];
-    let emitting = |target: &Target| shapes.emits[target.index];
+    let between = |target: &Target| !bounding.contains(&target.index);
+    let emitting = |target: &Target| target.emits;
     [
         boxes::away_from_zero(),
         shapes.closest_hit(),
@@ -31,11 +32,9 @@ pub(super) fn functions(prepared: &Prepared) -> String {
     .concat()
 }
 
-/// The primitives of a scene.
+/// The primitives of a scene that are written out.
 struct Shapes {
     targets: Vec<Target>,
-    /// Per primitive, whether it emits.
-    emits: Vec<bool>,
     /// Boxes that some of them are the sides of.
     boxes: Vec<Solid>,
 }
@@ -44,29 +43,27 @@ impl Shapes {
     /// Those of `prepared`, of which neighbours overlap by `overlap`.
     fn new(prepared: &Prepared, overlap: f64) -> Self {
         let data = &prepared.data;
-        let mut emits = vec![false; data.primitives.len()];
-        for primitive in prepared.emitters.primitives() {
-            emits[primitive as usize] = true;
-        }
-        let targets = data.primitives.iter().enumerate().map(|(index, p)| Target {
-            index,
-            geometry: p.geometry,
-            one_sided: !data.scene.materials[p.material.index()].double_sided,
-            // What emits is as bright as it is large.
-            overlap: if emits[index] {
-                [0.0; 4]
-            } else {
-                overlaps(prepared, index, overlap)
-            },
+        let emitting: BTreeSet<_> = prepared.emitters.primitives().collect();
+        let targets = prepared.written_out().map(|index| {
+            let primitive = &data.primitives[index];
+            let emits = emitting.contains(&(index as u32));
+            Target {
+                index,
+                geometry: primitive.geometry,
+                one_sided: !data.scene.materials[primitive.material.index()].double_sided,
+                emits,
+                // What emits is as bright as it is large.
+                overlap: if emits {
+                    [0.0; 4]
+                } else {
+                    overlaps(prepared, index, overlap)
+                },
+            }
         });
         let targets: Vec<_> = targets.collect();
-        let may_be_sides = targets.iter().filter(|t| !t.one_sided && !emits[t.index]);
+        let may_be_sides = targets.iter().filter(|t| !t.one_sided && !t.emits);
         let boxes = boxes::find(&may_be_sides.copied().collect::<Vec<_>>());
-        Self {
-            targets,
-            emits,
-            boxes,
-        }
+        Self { targets, boxes }
     }
 
     /// What is no side of a box.
@@ -116,20 +113,29 @@ impl Shapes {
     }
 }
 
-/// `overlap` at each edge of primitive `index` that lies on another one.
+/// `overlap` at each edge of primitive `index` that lies on another one, or may lie on one that is
+/// loaded.
 fn overlaps(prepared: &Prepared, index: usize, overlap: f64) -> [f64; 4] {
     let primitives = &prepared.data.primitives;
-    let others = primitives.iter().enumerate();
-    let others = others.filter(|(other, _)| *other != index);
-    let others = others.map(|(_, other)| &other.geometry);
+    let others = prepared.written_out().filter(|other| *other != index);
+    let others = others.map(|other| &primitives[other].geometry);
+    let loaded = prepared.loaded().map(|small| small.bounds);
     let mut overlaps = [0.0; 4];
     let at_edges = overlaps.iter_mut().zip(edges(&primitives[index].geometry));
     for (at_edge, ends) in at_edges {
-        if others.clone().any(|other| lies_on(ends, other, overlap)) {
+        if loaded.is_some_and(|bounds| touches(ends, bounds, overlap))
+            || others.clone().any(|other| lies_on(ends, other, overlap))
+        {
             *at_edge = overlap;
         }
     }
     overlaps
+}
+
+/// Whether the box around an edge touches a box, within `slack`.
+fn touches([a, b]: [DVec3; 2], [low, high]: [DVec3; 2], slack: f64) -> bool {
+    let around = DVec3::splat(slack);
+    a.min(b).cmple(high + around).all() && a.max(b).cmpge(low - around).all()
 }
 
 /// Whether an edge lies in the plane of a primitive and touches the box around it, within `slack`.
@@ -141,9 +147,6 @@ fn lies_on([a, b]: [DVec3; 2], other: &PrimitiveGeometry, slack: f64) -> bool {
         return false;
     };
     let n = u.cross(v).normalize_or_zero();
-    let (low, high) = other.bounds();
-    let around = DVec3::splat(slack);
     [a, b].iter().all(|end| n.dot(*end - on).abs() <= slack)
-        && a.min(b).cmple(high + around).all()
-        && a.max(b).cmpge(low - around).all()
+        && touches([a, b], other.bounds().into(), slack)
 }

@@ -1,5 +1,6 @@
 //! Kernels that are specialized for a small scene: what there is to load of it stands in the shader
-//! as literals, so that nothing is left to load and no hierarchy to walk.
+//! as literals, so that nothing is left to load and no hierarchy to walk. Of a large scene the few
+//! large primitives do, so that only rays that come near the others walk the hierarchy over these.
 //!
 //! On a driver in software a load whose address differs between lanes costs a branch per lane, and
 //! the loads of a sample are most of its time. A primitive that is known while the kernel is
@@ -21,6 +22,7 @@ use super::materials::material_words;
 use super::textures::atlases;
 use crate::effects::Effect;
 use crate::prepare::Prepared;
+use std::fmt::Write as _;
 use std::sync::Arc;
 
 const IMPORTS: &str = "\
@@ -44,6 +46,9 @@ pub struct SpecializedScene {
     text: Arc<str>,
     materials: bool,
     lights: bool,
+    /// Whether there are primitives, and some that emit, which are loaded.
+    loaded_primitives: bool,
+    loaded_emitters: bool,
 }
 
 impl SpecializedScene {
@@ -66,9 +71,14 @@ impl SpecializedScene {
         let lights = (1..=MAX_LIGHTS).contains(&emitters.lights.len())
             && emitters.maps.is_empty()
             && !any(&[Effect::LightTree]);
+        let written = prepared.written_out();
         let mut text = IMPORTS.to_owned();
+        let _ = writeln!(text, "const FIRST_WRITTEN: u32 = {}u;\n", written.start);
         text.push_str(&geometry::functions(prepared));
-        text.push_str(&tables::primitives(&primitive_words(prepared)));
+        let loaded_primitives = prepared.loaded().is_some();
+        if !loaded_primitives {
+            text.push_str(&tables::primitives(&primitive_words(prepared)));
+        }
         if materials {
             let [colors, data] = atlases(scene);
             let words = material_words(prepared, [&colors, &data]).words;
@@ -84,6 +94,10 @@ impl SpecializedScene {
             text: text.into(),
             materials,
             lights,
+            loaded_primitives,
+            loaded_emitters: !emitters
+                .primitives()
+                .all(|p| written.contains(&(p as usize))),
         })
     }
 
@@ -94,11 +108,13 @@ impl SpecializedScene {
 
     /// WESL features with their values. That of the effect is among them: without the module there is
     /// nothing that it could compile in.
-    pub(super) fn features(of: Option<&Self>) -> [(&'static str, bool); 3] {
+    pub(super) fn features(of: Option<&Self>) -> [(&'static str, bool); 5] {
         [
             (Effect::SpecializedScene.feature(), of.is_some()),
             ("SPECIALIZED_MATERIALS", of.is_some_and(|s| s.materials)),
             ("SPECIALIZED_LIGHTS", of.is_some_and(|s| s.lights)),
+            ("LOADED_PRIMITIVES", of.is_some_and(|s| s.loaded_primitives)),
+            ("LOADED_EMITTERS", of.is_some_and(|s| s.loaded_emitters)),
         ]
     }
 }

@@ -8,7 +8,7 @@ use crate::support::{context, floor_pixel, lambert, scene, shape};
 use direkt::low_level::accel::PrimitiveGeometry;
 use direkt::low_level::effects::Effect;
 use direkt::low_level::prepare::Prepared;
-use direkt::scene::{Geometry, MaterialId, Mesh, Scene};
+use direkt::scene::{Emission, Geometry, MaterialId, Mesh, Scene};
 use glam::{DMat3, DVec3};
 
 const RAYS: usize = 200_000;
@@ -69,6 +69,69 @@ fn edges(geometry: &PrimitiveGeometry) -> Vec<[DVec3; 2]> {
         }
         _ => unreachable!("the bodies have flat sides"),
     }
+}
+
+/// The rectangle in `count` × `count` squares of two triangles each.
+fn tiles(rectangle: &Geometry, count: u32) -> Geometry {
+    let Geometry::Rectangle { corner, u, v } = *rectangle else {
+        unreachable!("a side is a rectangle");
+    };
+    let along = |i: u32| f64::from(i) / f64::from(count);
+    let rows = (0..=count).flat_map(|y| (0..=count).map(move |x| (x, y)));
+    let squares = (0..count).flat_map(|y| (0..count).map(move |x| y * (count + 1) + x));
+    let triangles = squares.flat_map(|a| {
+        let above = a + count + 1;
+        [[a, a + 1, above + 1], [a, above + 1, above]]
+    });
+    Geometry::Mesh(Mesh {
+        positions: rows
+            .map(|(x, y)| corner + along(x) * u + along(y) * v)
+            .collect(),
+        triangles: triangles.collect(),
+        ..Mesh::default()
+    })
+}
+
+/// The Cornell box without its boxes, and in it a ball of 1,200 triangles, which emits where
+/// `emission` says so.
+pub(super) fn room_with_a_ball(emission: Option<Emission>) -> Scene {
+    let mut room = scene("scenes/cornell.toml");
+    let is_part = |name: &str| {
+        ["light", "floor", "ceiling", "wall"]
+            .iter()
+            .any(|part| name.contains(part))
+    };
+    room.shapes.retain(|shape| is_part(&shape.name));
+    assert_eq!(room.shapes.len(), 6);
+    for side in sides(DMat3::IDENTITY) {
+        let Geometry::Mesh(mut mesh) = tiles(&side, 10) else {
+            unreachable!("tiles are a mesh");
+        };
+        let middle = DVec3::new(0.1, -0.5, 0.2);
+        for position in &mut mesh.positions {
+            *position = middle + 0.4 * position.normalize();
+        }
+        let mut part = shape("ball", Geometry::Mesh(mesh));
+        part.emission = emission;
+        room.shapes.push(part);
+    }
+    room
+}
+
+/// What is large is written out, the ball is loaded.
+fn partly_specialized(scene: Scene) -> Prepared {
+    let prepared = specialized(scene);
+    let loaded = prepared.loaded().expect("most is loaded").count;
+    assert_eq!((loaded, prepared.written_out()), (1200, 1200..1206));
+    prepared
+}
+
+#[test]
+fn rays_meet_a_mesh_among_large_primitives() {
+    check_rays(
+        "a room with a ball",
+        &partly_specialized(room_with_a_ball(None)),
+    );
 }
 
 /// Triangles, parallelograms and ellipses from both sides and from one, spheres and ellipsoids.
@@ -164,6 +227,11 @@ fn no_ray_leaves_a_closed_body() {
         sides[3] = halves(&sides[3]);
         sides
     };
+    let partly = |edges: DMat3| {
+        let mut sides = mixed(edges);
+        sides[4] = tiles(&sides[4], 16);
+        sides
+    };
     let bodies = [
         (
             "a box",
@@ -176,6 +244,8 @@ fn no_ray_leaves_a_closed_body() {
             "a skewed box of parallelograms and triangles",
             mixed(skewed),
         ),
+        ("a turned box with a side of many triangles", partly(turned)),
+        ("a skewed box with a side of many triangles", partly(skewed)),
         (
             "a box of triangles",
             sides(turned).iter().map(halves).collect(),
@@ -186,7 +256,9 @@ fn no_ray_leaves_a_closed_body() {
         let prepared = of_shapes(body);
         let primitives = prepared.data.primitives.iter();
         let edges: Vec<_> = primitives.flat_map(|p| edges(&p.geometry)).collect();
-        let center = edges.iter().map(|[a, _]| *a).sum::<DVec3>() / edges.len() as f64;
+        let ends = || edges.iter().flatten().copied();
+        let [low, high] = [ends().reduce(DVec3::min), ends().reduce(DVec3::max)];
+        let center = 0.5 * (low.unwrap() + high.unwrap());
         let mut random = Random::new(81);
         let rays = (0..RAYS).map(|i| {
             let [a, b] = edges[random.word() as usize % edges.len()];
@@ -217,13 +289,11 @@ fn no_ray_leaves_a_closed_body() {
 fn what_shadow_rays_leave_out_hides_no_light() {
     let context = context();
     let mut hidden_at_all = 0;
-    for name in [
-        "cornell.toml",
-        "veach.toml",
-        "corner.toml",
-        "spot_and_sun.toml",
-    ] {
-        let prepared = specialized(scene(&format!("scenes/{name}")));
+    let names = ["cornell", "veach", "corner", "spot_and_sun"];
+    let scenes = names.map(|name| specialized(scene(&format!("scenes/{name}.toml"))));
+    let with_mesh = partly_specialized(room_with_a_ball(None));
+    for prepared in scenes.into_iter().chain([with_mesh]) {
+        let name = prepared.data.scene.source.display().to_string();
         let function = Function {
             imports: "import package::core::constants::NONE;
                       import package::core::pdf::ExpectedSamples;

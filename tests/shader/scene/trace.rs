@@ -2,6 +2,7 @@
 //! in turn.
 
 use super::prepared;
+use super::specialize::room_with_a_ball;
 use crate::support::every_kind::{constant_environment, every_kind};
 use crate::support::random::{numbers, rounded};
 use crate::support::rounding::U;
@@ -21,6 +22,7 @@ use direkt::low_level::reference::scene::opacity::Crossings;
 use direkt::low_level::reference::scene::trace::{
     any_hit, closest_hit, intersect_primitive, may_meet_light,
 };
+use direkt::scene::Emission;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -194,7 +196,14 @@ fn rays_that_meet_a_light_enter_its_box() {
     let scenes =
         ["cornell.toml", "veach.toml", "corner.toml"].map(|n| scene(&format!("scenes/{n}")));
     let every = every_kind(constant_environment());
-    let scenes = scenes.into_iter().chain([every]);
+    let shining = Emission {
+        radiance: DVec3::ONE,
+        texture: None,
+        two_sided: true,
+    };
+    let scenes = scenes
+        .into_iter()
+        .chain([every, room_with_a_ball(Some(shining))]);
     for (mut scene, specialize) in scenes.flat_map(|s| [(s.clone(), true), (s, false)]) {
         scene.render.estimator.specialize = specialize;
         let prepared = prepared(scene);
