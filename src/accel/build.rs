@@ -42,47 +42,48 @@ pub fn build(primitives: &mut Vec<Primitive>) -> Bvh {
     if primitives.is_empty() {
         return Bvh::default();
     }
-    let mut large = take_large(primitives);
-    let mut parts = vec![hierarchy(primitives)];
-    if !large.is_empty() {
-        parts.push(hierarchy(&mut large));
-    }
-    primitives.append(&mut large);
-    flatten(&parts.iter().collect::<Vec<_>>())
+    let boxes: Vec<Boxed> = primitives.iter().map(boxed).collect();
+    let Some(least) = least_of_large(&boxes) else {
+        return flatten(&[&hierarchy(primitives, &boxes)]);
+    };
+    let (large, small): (Vec<_>, Vec<_>) = primitives
+        .drain(..)
+        .zip(boxes)
+        .partition(|(_, one)| one.0.half_area() >= least);
+    let [small, large] = [small, large].map(|part| {
+        let (mut of_part, boxes): (Vec<_>, Vec<_>) = part.into_iter().unzip();
+        let bvh2 = hierarchy(&mut of_part, &boxes);
+        primitives.append(&mut of_part);
+        bvh2
+    });
+    flatten(&[&small, &large])
 }
 
-/// Reorders `primitives` into leaf order and returns the hierarchy over them.
-fn hierarchy(primitives: &mut Vec<Primitive>) -> Bvh2 {
-    let boxes: Vec<Boxed> = primitives.iter().map(boxed).collect();
+/// Reorders `primitives`, whose boxes are `boxes`, into leaf order and returns the hierarchy over
+/// them.
+fn hierarchy(primitives: &mut Vec<Primitive>, boxes: &[Boxed]) -> Bvh2 {
     let mut seconds = std::time::Duration::ZERO;
-    let mut bvh2 = build_bvh2(&boxes, parameters(primitives.len()), &mut seconds);
+    let mut bvh2 = build_bvh2(boxes, parameters(boxes.len()), &mut seconds);
     // A part may hang one level below the root.
     if bvh2.depth(0) >= MAX_DEPTH {
-        bvh2 = median_split(&boxes);
+        bvh2 = median_split(boxes);
     }
     sort_by_leaves(primitives, &bvh2);
     bvh2
 }
 
-/// Takes the large ones from `primitives`, in their order: those whose boxes have a part of
-/// [`LEAST_PART`] of the surface of the box around all. None where all are few, or where many are
-/// large.
-fn take_large(primitives: &mut Vec<Primitive>) -> Vec<Primitive> {
-    let boxes: Vec<Aabb> = primitives.iter().map(|p| boxed(p).0).collect();
-    let all = boxes.iter().fold(Aabb::INVALID, |all, one| all.union(one));
-    let least = LEAST_PART * all.half_area();
-    let is_large = |one: &Aabb| one.half_area() >= least;
-    let large = boxes.iter().filter(|one| is_large(one)).count();
-    if primitives.len() <= FEW || large > MOST_LARGE {
-        return Vec::new();
+/// Half the surface from which on a box is that of a large primitive: [`LEAST_PART`] of that of the
+/// box around all `boxes`. `None` where all are few, none is large, or many are.
+fn least_of_large(boxes: &[Boxed]) -> Option<f32> {
+    if boxes.len() <= FEW {
+        return None;
     }
-    let (large, small): (Vec<_>, Vec<_>) = primitives
-        .drain(..)
-        .zip(&boxes)
-        .partition(|(_, one)| is_large(one));
-    let primitives_of = |of: Vec<(Primitive, &Aabb)>| of.into_iter().map(|(p, _)| p).collect();
-    *primitives = primitives_of(small);
-    primitives_of(large)
+    let all = boxes
+        .iter()
+        .fold(Aabb::INVALID, |all, one| all.union(&one.0));
+    let least = LEAST_PART * all.half_area();
+    let large = boxes.iter().filter(|one| one.0.half_area() >= least);
+    (1..=MOST_LARGE).contains(&large.count()).then_some(least)
 }
 
 /// Distances from the centre that lie between two parts of an extreme scene, as a power of two.

@@ -12,8 +12,8 @@ use std::collections::BTreeSet;
 /// None where light comes from beyond all surfaces. None where it passes through them: a point on
 /// the other side of such a plane sees no light otherwise, as all are below its horizon.
 pub(super) fn bounding(prepared: &Prepared, slack: f64) -> BTreeSet<usize> {
-    let all = &prepared.data.primitives;
-    let primitives = &all[prepared.written_out()];
+    let (all, written) = (&prepared.data.primitives, prepared.written_out());
+    let primitives = &all[written.clone()];
     let loaded = prepared.loaded().map(|small| small.bounds);
     let never = [
         Effect::Refraction,
@@ -52,7 +52,6 @@ pub(super) fn bounding(prepared: &Prepared, slack: f64) -> BTreeSet<usize> {
         }
         before || behind
     };
-    let written = prepared.written_out();
     written.filter(|index| is_bounding(&all[*index])).collect()
 }
 
