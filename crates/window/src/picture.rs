@@ -7,7 +7,7 @@ use direkt::low_level::image::heat::{heat, ramp};
 use direkt::low_level::image::png::Display;
 use direkt::low_level::image::signed;
 use direkt::low_level::render::{Film, ImageError, RayCounts};
-use direkt::scene::FilmSize;
+use direkt::scene::{EstimatorSettings, FilmSize};
 use eframe::egui::{Color32, ColorImage};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -25,6 +25,8 @@ pub struct Picture {
     pub run: u64,
     /// How it was rendered.
     pub method: Arc<Method>,
+    /// The method's estimator as it was used: large scenes are loaded, whatever `specialize` says.
+    pub estimator: EstimatorSettings,
     /// Its colours.
     pub colours: Arc<ColorImage>,
     /// The image.

@@ -4,7 +4,6 @@ use super::lights::Lights;
 use super::navigation::CameraController;
 use super::picture::Picture;
 use direkt::error::{Error, InputError};
-use direkt::low_level::effects::Effect;
 use direkt::low_level::image::png::{self, Display};
 use direkt::low_level::image::{exr, extension};
 use direkt::low_level::output;
@@ -26,17 +25,13 @@ pub fn image(
     match extension(path).as_str() {
         "png" => png::write(path, &picture.film, display),
         "exr" => {
-            let mut settings = picture.method.settings;
-            let mut effects = picture.effects.iter();
-            settings.estimator.specialize &=
-                effects.any(|(effect, _)| *effect == Effect::SpecializedScene);
             let attributes = [
                 ("scene", source.display().to_string()),
                 ("spp", picture.samples.to_string()),
-                ("seed", settings.seed.to_string()),
+                ("seed", picture.method.settings.seed.to_string()),
                 ("direkt", env!("CARGO_PKG_VERSION").to_owned()),
             ];
-            let attributes = [&attributes, &*settings.estimator.entries()].concat();
+            let attributes = [&attributes, &*picture.estimator.entries()].concat();
             exr::write(path, &picture.film, &[], &attributes)
         }
         _ => Err(Error::Usage(format!(

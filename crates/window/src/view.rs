@@ -88,7 +88,7 @@ impl<'a> View<'a> {
         data: Option<Arc<SceneData>>,
         run: u64,
     ) -> Result<Self, Error> {
-        let settings = method.settings;
+        let mut settings = method.settings;
         let data = match data {
             Some(data) => {
                 validate::settings(&request.scene, &settings)?;
@@ -100,10 +100,9 @@ impl<'a> View<'a> {
                 Arc::new(SceneData::new(scene))
             }
         };
-        let mut used = settings;
         // A large scene is not compiled anew for each edit.
-        used.estimator.specialize &= data.bvh.small.is_none();
-        let mut prepared = Prepared::seen_by(&data, (request.camera, request.film), used);
+        settings.estimator.specialize &= data.bvh.small.is_none();
+        let mut prepared = Prepared::seen_by(&data, (request.camera, request.film), settings);
         for &effect in &method.forced {
             prepared.effects.force(effect);
         }
@@ -319,6 +318,7 @@ impl<'a> View<'a> {
             version,
             run: self.run,
             method: Arc::clone(&self.method),
+            estimator: self.prepared.settings.estimator,
             colours: Arc::new(colours(&film, other, request.layer, &request.display)),
             full: !self.moving,
             samples: self.samples(),
