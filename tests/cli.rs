@@ -15,7 +15,7 @@ mod rough;
 mod shadow_rays;
 
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The command in the project's folder, with the vectors that its users have: `./lavapipe` makes
@@ -35,6 +35,16 @@ fn run(arguments: &[&str]) -> (i32, String, String) {
         String::from_utf8(output.stdout).unwrap(),
         String::from_utf8(output.stderr).unwrap(),
     )
+}
+
+/// A copy of the Cornell box in `folder`, with `setting` in its `[render]`.
+fn cornell_with(setting: &str, folder: &Path) -> PathBuf {
+    let source = std::fs::read_to_string(crate::support::project("scenes/cornell.toml")).unwrap();
+    let table = "[render]\n";
+    assert!(source.contains(table));
+    let path = folder.join("cornell.toml");
+    std::fs::write(&path, source.replace(table, &format!("{table}{setting}\n"))).unwrap();
+    path
 }
 
 fn text(path: &Path) -> &str {

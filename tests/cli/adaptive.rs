@@ -1,20 +1,12 @@
 //! Adaptive sampling from the command line and from a scene file.
 
-use super::{run, text};
+use super::{cornell_with, run, text};
 use serde_json::Value;
 
 #[test]
 fn adaptive_images_tell_their_samples() {
     let folder = tempfile::tempdir().unwrap();
-    let scene = folder.path().join("cornell.toml");
-    let source = std::fs::read_to_string(crate::support::project("scenes/cornell.toml")).unwrap();
-    let table = "[render]\n";
-    assert!(source.contains(table));
-    std::fs::write(
-        &scene,
-        source.replace(table, "[render]\nadaptive = false\n"),
-    )
-    .unwrap();
+    let scene = cornell_with("adaptive = false", folder.path());
     let [exr, json] = ["a.exr", "a.json"].map(|n| folder.path().join(n));
     let cases = [
         ("scenes/cornell.toml", vec![], true),

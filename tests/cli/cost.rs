@@ -4,7 +4,7 @@ mod effects;
 #[cfg(unix)]
 mod interrupt;
 
-use super::{run, text};
+use super::{cornell_with, run, text};
 use serde_json::Value;
 use std::path::Path;
 
@@ -128,15 +128,8 @@ fn check_table(csv: &str, scene: &Value) {
 #[test]
 fn shadow_rays_and_their_patterns_are_compared() {
     let folder = tempfile::tempdir().unwrap();
-    let [json, csv, uniform] = ["a.json", "a.csv", "uniform.toml"].map(|n| folder.path().join(n));
-    let cornell = read(&crate::support::project("scenes/cornell.toml"));
-    let table = "[render]\n";
-    assert!(cornell.contains(table));
-    std::fs::write(
-        &uniform,
-        cornell.replace(table, "[render]\nadaptive = false\n"),
-    )
-    .unwrap();
+    let [json, csv] = ["a.json", "a.csv"].map(|n| folder.path().join(n));
+    let uniform = cornell_with("adaptive = false", folder.path());
     let arguments = [
         "cost",
         text(&uniform),
