@@ -401,7 +401,13 @@ fn an_error_ends_a_render() {
 fn doctor_names_adapters_and_their_loop_budget() {
     let (code, stdout, stderr) = run(&["doctor"]);
     assert_eq!(code, 0, "{stderr}");
-    for part in ["driver", "storage binding", "70,000", "verdict"] {
+    for part in [
+        "driver",
+        "storage binding",
+        "70,000",
+        "additions",
+        "verdict",
+    ] {
         assert!(stdout.contains(part), "{part}: {stdout}");
     }
     let (code, stdout, _) = run(&["doctor", "--json", "-"]);

@@ -4,6 +4,7 @@ use crate::support::context;
 use crate::support::hard_cases::{Measured, survive, survive_by_driver};
 use direkt::low_level::gpu::doctor::arithmetic::arithmetic;
 use direkt::low_level::gpu::doctor::examine;
+use direkt::low_level::gpu::doctor::loads::loads;
 use direkt::low_level::gpu::doctor::loops::loop_budget;
 use direkt::low_level::gpu::doctor::precision::sweep;
 use direkt::low_level::gpu::shader::{KernelConstants, link};
@@ -134,4 +135,17 @@ fn no_shader_needs_subgroups() {
 fn an_adapter_that_does_not_exist_is_not_examined() {
     assert!(examine(Some("no adapter has this name")).is_empty());
     assert!(!examine(None).is_empty());
+}
+
+#[test]
+fn loads_take_time() {
+    let context = context();
+    let found = loads(context).unwrap();
+    let times = [found.own_nanoseconds, found.shared_nanoseconds];
+    // A thousandth of a nanosecond is a trillion a second.
+    assert!(
+        times.iter().all(|t| (1e-5..1e4).contains(t)),
+        "{:?}: {found:?}",
+        context.adapter
+    );
 }

@@ -142,4 +142,11 @@ fn driver(out: &mut String, facts: &DriverFacts) {
             ),
         );
     }
+    line(
+        "load per invocation",
+        format!(
+            "{:.2} ns at an address of its own, {:.2} ns at one that all share",
+            facts.loads.own_nanoseconds, facts.loads.shared_nanoseconds
+        ),
+    );
 }

@@ -1,6 +1,7 @@
 //! Is an adapter fit to be trusted? What its driver does to a shader, found out by running one.
 
 pub mod arithmetic;
+pub mod loads;
 pub mod loops;
 pub mod precision;
 mod probe;
@@ -8,6 +9,7 @@ mod probe;
 use super::context::{AdapterFacts, Context, adapters};
 use crate::error::GpuError;
 use arithmetic::Arithmetic;
+use loads::Loads;
 use loops::LoopBudget;
 use precision::Precision;
 use serde::Serialize;
@@ -32,6 +34,8 @@ pub struct DriverFacts {
     pub arithmetic: Arithmetic,
     /// Errors of elementary functions.
     pub precision: Vec<Precision>,
+    /// What loads cost.
+    pub loads: Loads,
 }
 
 impl DriverFacts {
@@ -42,6 +46,7 @@ impl DriverFacts {
             loop_budget: loops::loop_budget(context)?,
             arithmetic: arithmetic::arithmetic(context)?,
             precision: precision::sweep(context)?,
+            loads: loads::loads(context)?,
         })
     }
 
