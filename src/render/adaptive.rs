@@ -44,6 +44,9 @@ pub(super) const CLASSES: usize = (PER_OCTAVE * OCTAVES) as usize;
 /// The class of a pixel with the mean error: eight times fewer samples at the least, 500 times more
 /// at most.
 const MIDDLE: f64 = (3 * PER_OCTAVE) as f64;
+/// How many times as long a sample takes where errors are spread most evenly and samples are shared
+/// out all the same: the pixels that get them are those where rays part.
+const DEARER: f64 = 1.25;
 
 /// How samples are shared out among pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -57,29 +60,34 @@ pub(super) struct Allocation {
 }
 
 impl Allocation {
-    /// How those after the `pilot`, of `samples` per pixel, are shared out; `None` while a pixel
-    /// has not two samples, or their differences do not tell pixels apart.
+    /// How those after the `pilot`, of `samples` per pixel, are shared out: evenly where that is as
+    /// good. `None` while a pixel has not two samples, or none has an error.
     pub(crate) fn after(pilot: &Film, samples: u64) -> Option<Self> {
         let size = pilot.size;
         let errors = share_in_blocks(size, &tell_errors(pilot)?);
-        let roots: Vec<f64> = errors.par_iter().map(|error| error.sqrt()).collect();
-        let [sum] = sum(roots.par_iter().map(|root| [*root]));
-        let middle = sum / roots.len() as f64;
+        let count = errors.len() as f64;
+        let [error, root] = sum(errors.par_iter().map(|error| [*error, error.sqrt()]));
+        let middle = root / count;
         if !(middle > 0.0 && middle.is_finite()) {
             return None;
         }
+        let gain = error / count / (middle * middle);
         let highest = (CLASSES - 1) as f64;
-        let class = |root: &f64| {
-            let octaves = (root / middle).max(f64::MIN_POSITIVE).log2();
-            (MIDDLE + f64::from(PER_OCTAVE) * octaves).clamp(0.0, highest) as u8
+        let class = |error: &f64| {
+            let octaves = (error.sqrt() / middle).max(f64::MIN_POSITIVE).log2();
+            let class = if gain > DEARER {
+                MIDDLE + f64::from(PER_OCTAVE) * octaves
+            } else {
+                MIDDLE
+            };
+            class.clamp(0.0, highest) as u8
         };
-        let classes: Vec<_> = roots.par_iter().map(class).collect();
+        let classes: Vec<_> = errors.par_iter().map(class).collect();
         let mut pixels = vec![0; CLASSES];
         for class in &classes {
             pixels[usize::from(*class)] += 1;
         }
-        let differ = pixels.iter().filter(|pixels| **pixels > 0).count() > 1;
-        differ.then_some(Self {
+        Some(Self {
             pilot: samples,
             classes,
             pixels,
@@ -281,6 +289,23 @@ mod tests {
             level = allocation.level_of(mean, level);
             assert!(at(level) >= mean && (level == 0 || at(level - 1) < mean));
         }
+    }
+
+    /// The pilot is left out even then: to keep it where it found nothing would be a bias.
+    #[test]
+    fn where_errors_are_alike_samples_are() {
+        let mut film = pilot();
+        for (i, pixel) in film.pixels.iter_mut().enumerate() {
+            let half = if i % 32 < 16 { 0.05 } else { 0.1 };
+            pixel.second_mean = [1.0 - half; 3];
+            pixel.m2 = [half * half * (PILOT * (PILOT - 1)) as f64; 3];
+        }
+        let allocation = Allocation::after(&film, PILOT).expect("there is an error");
+        assert_eq!(allocation.class(0), allocation.class(31));
+        assert_eq!(
+            allocation.target(allocation.level_of(64, 0), allocation.class(0)),
+            64
+        );
     }
 
     #[test]
