@@ -239,7 +239,7 @@ fn bad_input_ends_with_2_and_touches_no_output() {
         ),
         (
             &["scenes/cornell.toml", "--shadow-rays", "1025"],
-            "1..=1024",
+            "a number from 1 to 1024",
         ),
         (
             &["scenes/cornell.toml", "--shadow-pattern", "regular"],
@@ -405,7 +405,7 @@ fn doctor_names_adapters_and_their_loop_budget() {
         "driver",
         "storage binding",
         "70,000",
-        "additions",
+        "at an address of its own",
         "verdict",
     ] {
         assert!(stdout.contains(part), "{part}: {stdout}");

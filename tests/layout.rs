@@ -126,7 +126,7 @@ fn structs_have_the_same_members() {
         y,
         height,
         z,
-        samples,
+        samples_per_ray,
         radiance,
         linear,
         grid,

@@ -7,7 +7,7 @@ use direkt::low_level::effects::{Effect, Effects};
 use direkt::low_level::gpu::SceneKernel;
 use direkt::low_level::gpu::kernel::DIRECT;
 use direkt::low_level::gpu::shader::KernelConstants;
-use direkt::scene::{LightSelection, ShadowPattern, Strategy};
+use direkt::scene::{LightSelection, ShadowPattern, ShadowRays, Strategy};
 
 const CONFIG: KernelConstants = KernelConstants {
     stack_depth: 16,
@@ -57,7 +57,7 @@ fn shadow_rays_link_in_every_pattern() {
         for &pattern in ShadowPattern::value_variants() {
             for &selection in LightSelection::value_variants() {
                 let mut scene = scene.clone();
-                scene.render.estimator.shadow_rays = 4;
+                scene.render.estimator.shadow_rays = ShadowRays::Number(4);
                 scene.render.estimator.shadow_pattern = pattern;
                 let prepared = prepared_for(scene, Strategy::MisPower, selection);
                 validate(

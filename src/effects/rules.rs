@@ -8,7 +8,7 @@ use crate::scene::material::Fresnel;
 use crate::scene::settings::{DirectionSampling, Heuristic, Techniques};
 use crate::scene::{
     Camera, EnvironmentMap, EnvironmentRadiance, LightSampling, Material, MaterialTextures,
-    RenderSettings, Sampler, Scene, ShadowPattern, TextureUse,
+    RenderSettings, Sampler, Scene, ShadowPattern, ShadowRays, TextureUse,
 };
 use std::ops::Deref;
 
@@ -302,14 +302,23 @@ impl Rules<'_> {
 
     /// Called for where a second ray can differ from the first.
     pub(super) fn shadow_rays(&self) -> Option<String> {
-        let rays = self.settings.estimator.shadow_rays;
-        let center = self.settings.estimator.shadow_pattern == ShadowPattern::Center;
+        let (rays, pattern) = (
+            self.settings.estimator.shadow_rays,
+            self.settings.estimator.shadow_pattern,
+        );
+        let center = pattern == ShadowPattern::Center;
         let has_texels = self.emitters.environment.is_some()
             && self.emitters.sampled().any(|l| *l == Emitter::Environment);
         let chooses = self.has(Effect::LightChoice) || self.has(Effect::LightTree);
         let chosen = chooses && self.emitters.sampled().count() > 1;
         let differ = chosen || has_texels || (self.samples_extended_lights() && !center);
-        (rays > 1 && differ).then(|| format!("shadow_rays = {rays}"))
+        match rays {
+            ShadowRays::Auto => (differ && pattern == ShadowPattern::Random)
+                .then(|| format!("shadow_rays = \"auto\": 1 or {}", rays.most())),
+            ShadowRays::Number(_) => {
+                (rays.most() > 1 && differ).then(|| format!("shadow_rays = {rays}"))
+            }
+        }
     }
 
     /// Called for where its points can differ from others. A grid of one cell is its centre.

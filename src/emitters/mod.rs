@@ -185,12 +185,14 @@ impl Emitters {
     /// 9.8). `rays` is the number of shadow rays. Where every light has its own, those without
     /// extent have one: a second would be the same.
     pub fn samples(&self, index: usize, rays: u32) -> f64 {
-        let own = matches!(self.selection, Some(Selection::All(_)));
-        let rays = match self.lights[index] {
-            Emitter::Delta(_) if own => 1,
-            _ => rays,
-        };
+        let rays = if self.takes_one(index) { 1 } else { rays };
         f64::from(rays) * self.probability(index)
+    }
+
+    /// Whether light `index` has one sample whatever the number of shadow rays.
+    pub fn takes_one(&self, index: usize) -> bool {
+        let own = matches!(self.selection, Some(Selection::All(_)));
+        own && matches!(self.lights[index], Emitter::Delta(_))
     }
 
     /// Index of the first sun, and how many there are.

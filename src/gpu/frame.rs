@@ -14,7 +14,7 @@ use crate::prepare::small_lights::{Extent, MAX_SMALL_LIGHTS};
 use crate::prepare::{Patterns, Prepared};
 use crate::scene::environment::Interpolation;
 use crate::scene::filter::FilterTable;
-use crate::scene::{EnvironmentRadiance, FilmSize};
+use crate::scene::{EnvironmentRadiance, FilmSize, ShadowGrid};
 use glam::DVec3;
 
 /// The uniform that stays the same for a render.
@@ -23,7 +23,6 @@ pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
     let half_height = camera.half_height();
     let (bvh, small) = (&prepared.data.bvh, prepared.loaded());
     let filter = prepared.data.scene.filter.table();
-    let shadow_grid = prepared.shadow_grid();
     let near_plane = prepared.near_plane();
     let lens = camera.lens;
     let has_lens = lens.radius > 0.0;
@@ -69,17 +68,23 @@ pub fn frame_of(prepared: &Prepared, film: FilmSize, seed: u32) -> Frame {
         light_tree: light_tree_of(prepared),
         lights: lights_of(prepared),
         patterns: prepared.patterns().into(),
-        shadow: ShadowUniform {
-            rays: shadow_grid.rays,
-            columns: shadow_grid.columns,
-            steps: shadow_grid.steps,
-        },
+        shadow: prepared.shadow_grid().into(),
         seed,
         far: (4.0 * prepared.data.normalization.reach) as f32,
         lights_in_view_count: prepared.lights_in_view.len() as u32,
         small_lights_count: prepared.small_lights.len() as u32,
         lights_in_view: lights_in_view_of(prepared),
         small_lights: small_lights_of(prepared),
+    }
+}
+
+impl From<ShadowGrid> for ShadowUniform {
+    fn from(grid: ShadowGrid) -> Self {
+        Self {
+            rays: grid.rays,
+            columns: grid.columns,
+            steps: grid.steps,
+        }
     }
 }
 
@@ -182,7 +187,7 @@ fn environment_of(prepared: &Prepared) -> EnvironmentUniform {
     let to_map = environment.rotation.transpose();
     [uniform.x, uniform.y, uniform.z] = [0, 1, 2].map(|i| f3(to_map.row(i)));
     let index = prepared.emitters.index_of_environment();
-    uniform.samples = index.map_or(0.0, |i| prepared.light_samples(i)) as f32;
+    uniform.samples_per_ray = index.map_or(0.0, |i| prepared.emitters.probability(i)) as f32;
     let per_unit = 1.0 / prepared.emitters.unit;
     match &environment.radiance {
         EnvironmentRadiance::Constant(radiance) => {

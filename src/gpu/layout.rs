@@ -88,8 +88,8 @@ pub struct EnvironmentUniform {
     pub height: u32,
     /// Third row.
     pub z: [f32; 3],
-    /// Expected samples per camera ray; see `Light` of `shaders/scene/fetch.wesl`.
-    pub samples: f32,
+    /// Expected samples per shadow ray; see `LightRecord` of `shaders/scene/fetch.wesl`.
+    pub samples_per_ray: f32,
     /// Constant radiance, or the factor on the map's.
     pub radiance: [f32; 3],
     /// 1 where the map is interpolated between its texels.

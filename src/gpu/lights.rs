@@ -16,7 +16,7 @@ use glam::DVec3;
 
 /// See `SceneBuffers::light_choice`.
 pub(super) fn choice_words(prepared: &Prepared) -> Vec<Word> {
-    let samples = |index| prepared.light_samples(index);
+    let samples = |index| prepared.emitters.probability(index);
     match &prepared.emitters.selection {
         Some(Selection::One(table)) => alias_words(table, samples),
         Some(Selection::Tree(tree)) => {
@@ -38,7 +38,7 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
     let per_unit = 1.0 / prepared.emitters.unit;
     let lights = prepared.emitters.lights.iter().enumerate();
     let words = lights.flat_map(|(index, emitter)| {
-        let samples = bits(prepared.light_samples(index));
+        let samples = bits(samples_per_ray(prepared, index));
         let mut words = match *emitter {
             Emitter::Area {
                 primitive,
@@ -80,6 +80,16 @@ pub(super) fn light_words(prepared: &Prepared, textures: &[u32]) -> Vec<Word> {
     let maps = prepared.emitters.maps.iter();
     let maps = maps.flat_map(|map| emission_words(map, textures[map.shape.index()]));
     words.chain(primitives).chain(maps).collect()
+}
+
+/// See `LightRecord.samples_per_ray`.
+fn samples_per_ray(prepared: &Prepared, index: usize) -> f64 {
+    let samples = prepared.emitters.probability(index);
+    if prepared.emitters.takes_one(index) {
+        -samples
+    } else {
+        samples
+    }
 }
 
 /// The word of the lights at which the maps of emission begin.

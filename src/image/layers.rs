@@ -100,7 +100,7 @@ pub fn render_attributes(
         ("spp", film.mean_samples().to_string()),
         ("direkt", env!("CARGO_PKG_VERSION").to_owned()),
     ];
-    attributes.extend(settings.estimator.entries());
+    attributes.extend(film.settings_of(settings.estimator).entries());
     attributes.extend(prepared.bias().map(|bias| ("biased", bias)));
     attributes
 }

@@ -210,10 +210,10 @@ impl Prepared {
     }
 
     /// Shadow rays per camera ray, with light selection `all` per light: 1 where a second would be
-    /// the same.
+    /// the same, and with `auto`, until a render has asked its pixels.
     pub fn shadow_rays(&self) -> u32 {
         if self.effects.contains(Effect::ShadowRays) {
-            self.settings.estimator.shadow_rays
+            self.settings.estimator.shadow_rays.least()
         } else {
             1
         }

@@ -53,6 +53,8 @@ const DEARER: f64 = 1.25;
 pub(super) struct Allocation {
     /// Samples of the pilot.
     pilot: u64,
+    /// Whether all pixels take as many: no class is above another, and any number will do.
+    is_even: bool,
     /// Class of each pixel, row by row: eight classes higher are twice the samples.
     classes: Vec<u8>,
     /// Pixels of each class.
@@ -71,14 +73,14 @@ impl Allocation {
         if !(middle > 0.0 && middle.is_finite()) {
             return None;
         }
-        let gain = error / count / (middle * middle);
+        let is_even = error / count / (middle * middle) < DEARER;
         let highest = (CLASSES - 1) as f64;
         let class = |error: &f64| {
             let octaves = (error.sqrt() / middle).max(f64::MIN_POSITIVE).log2();
-            let class = if gain > DEARER {
-                MIDDLE + f64::from(PER_OCTAVE) * octaves
-            } else {
+            let class = if is_even {
                 MIDDLE
+            } else {
+                MIDDLE + f64::from(PER_OCTAVE) * octaves
             };
             class.clamp(0.0, highest) as u8
         };
@@ -89,9 +91,15 @@ impl Allocation {
         }
         Some(Self {
             pilot: samples,
+            is_even,
             classes,
             pixels,
         })
+    }
+
+    /// Whether all pixels take as many samples.
+    pub(crate) fn is_even(&self) -> bool {
+        self.is_even
     }
 
     /// Samples of the pilot.
@@ -240,6 +248,7 @@ mod tests {
     #[test]
     fn samples_follow_the_root_of_the_error() {
         let allocation = Allocation::after(&pilot(), PILOT).expect("there is an error");
+        assert!(!allocation.is_even());
         let (low, high) = (allocation.class(0), allocation.class(31));
         // Ten times as many are 3.3 octaves of eight classes.
         assert!((high - low).abs_diff(27) <= 1, "{low}, {high}");
@@ -301,11 +310,8 @@ mod tests {
             pixel.m2 = [half * half * (PILOT * (PILOT - 1)) as f64; 3];
         }
         let allocation = Allocation::after(&film, PILOT).expect("there is an error");
+        assert!(allocation.is_even());
         assert_eq!(allocation.class(0), allocation.class(31));
-        assert_eq!(
-            allocation.target(allocation.level_of(64, 0), allocation.class(0)),
-            64
-        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The film: per pixel the merged mean and variance, in f64.
 
 use crate::gpu::layout::{GroupMean, PixelState};
-use crate::scene::{FilmSize, Sampler};
+use crate::scene::{EstimatorSettings, FilmSize, Sampler, ShadowRays};
 use crate::stats::moments::Moments;
 use crate::stats::sums::sum;
 use rayon::prelude::*;
@@ -189,6 +189,8 @@ pub struct Film {
     pub size: FilmSize,
     /// How its samples' random numbers were made.
     pub sampler: Sampler,
+    /// Shadow rays per camera ray, with light selection `all` per light.
+    pub shadow_rays: u32,
     /// Radiance that the blocks which are merged have as 1: a power of two.
     pub unit: f64,
     /// Pixels, row by row from the top.
@@ -205,6 +207,7 @@ impl Film {
         Self {
             size,
             sampler,
+            shadow_rays: 1,
             unit: 1.0,
             pixels: vec![Pixel::default(); size.pixels()],
             ledger: Ledger::default(),
@@ -230,9 +233,25 @@ impl Film {
     /// One alike without samples.
     #[must_use]
     pub fn emptied(&self) -> Self {
-        Self::new(self.size, self.sampler)
+        let shadow_rays = self.shadow_rays;
+        let film = Self::new(self.size, self.sampler)
             .with_light_groups(self.light_groups.len())
-            .in_units_of(self.unit)
+            .in_units_of(self.unit);
+        Self {
+            shadow_rays,
+            ..film
+        }
+    }
+
+    /// `settings` as they were used: with the number of shadow rays where they leave it open.
+    pub fn settings_of(&self, settings: EstimatorSettings) -> EstimatorSettings {
+        match settings.shadow_rays {
+            ShadowRays::Auto => EstimatorSettings {
+                shadow_rays: ShadowRays::Number(self.shadow_rays),
+                ..settings
+            },
+            ShadowRays::Number(_) => settings,
+        }
     }
 
     /// Adds a block of the pixel `index`: `groups` are its groups' means.

@@ -11,6 +11,7 @@ pub mod memory;
 mod neighbourhood;
 pub mod passes;
 mod recover;
+mod scouts;
 pub mod session;
 
 pub use aov::{AovImages, render_aovs};

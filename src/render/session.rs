@@ -12,6 +12,7 @@ pub(super) mod checkpoint;
 mod progress;
 mod readback;
 mod region;
+mod shadow_rays;
 mod tasks;
 
 use super::adaptive::{Allocation, PILOT};
@@ -20,6 +21,7 @@ use crate::error::GpuError;
 use crate::gpu::kernel::{SceneBindings, SceneKernel};
 use crate::gpu::layout::{BLOCK_SAMPLES, Dispatch, Frame, RowTask, TILE_PIXELS};
 use crate::gpu::{Context, GpuBuffer};
+use crate::scene::ShadowRays;
 use checkpoint::Saved;
 use progress::Progress;
 use region::Region;
@@ -75,6 +77,10 @@ pub struct Session<'a> {
     rays: RayCounts,
     /// Whether samples are shared out by where the error is.
     adaptive: bool,
+    /// How many shadow rays the settings ask for, as far as a second differs from the first.
+    asked_rays: ShadowRays,
+    /// Samples per pixel that the sampler's patterns are made for.
+    planned: u64,
     progress: Progress,
     budget: u64,
     /// How long a dispatch should take.
@@ -121,6 +127,7 @@ impl<'a> Session<'a> {
         samples: u64,
         mut stop: impl FnMut() -> bool,
     ) -> Result<StopReason, GpuError> {
+        self.choose_shadow_rays()?;
         let samples = self.share_out(samples)?;
         let targets = self.progress.targets(samples);
         loop {

@@ -52,7 +52,7 @@ pub use settings::EstimatorFlags;
 pub use settings::{
     EstimatorSettings, LightSampling, LightSelection, RenderSettings, StopSettings, Strategy,
 };
-pub use shadow_rays::{ShadowGrid, ShadowPattern};
+pub use shadow_rays::{ShadowGrid, ShadowPattern, ShadowRays};
 pub use shape::{Emission, Geometry, Mesh, Shape};
 pub use texture::{MaterialTextures, NormalMap, Texels, Texture, TextureUse, Wrap};
 
@@ -166,8 +166,8 @@ impl Scene {
             let emitting = self.shapes.iter().filter(|s| s.emission.is_some_and(lit));
             let primitives: u64 = emitting.map(|s| s.geometry.primitives()).sum();
             let environments = u64::from(self.environment.is_some());
-            samples +=
-                (primitives + suns + environments) * u64::from(settings.estimator.shadow_rays);
+            samples += (primitives + suns + environments)
+                * u64::from(settings.estimator.shadow_rays.most());
         }
         samples
     }

@@ -5,8 +5,7 @@ use super::choice::choice;
 use super::error_metric::ErrorMetric;
 use super::sampler::Sampler;
 #[cfg(feature = "clap")]
-use super::shadow_rays::MAX_SHADOW_RAYS;
-use super::shadow_rays::ShadowPattern;
+use super::shadow_rays::{ShadowPattern, ShadowRays};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -142,12 +141,6 @@ choice! {
 /// Largest [`max_specular_depth`](EstimatorSettings::max_specular_depth).
 pub const MAX_SPECULAR_DEPTH: u32 = 64;
 
-/// Parses a number of shadow rays on the command line.
-#[cfg(feature = "clap")]
-pub fn parse_shadow_rays() -> clap::builder::RangedI64ValueParser<u32> {
-    clap::value_parser!(u32).range(1..=i64::from(MAX_SHADOW_RAYS))
-}
-
 /// Defines the table `[render]` once: its parts as structs, the flags that override the first of
 /// them, and the table as files spell it, flat. The first paragraph of a field's comment is also
 /// the help of its flag.
@@ -262,10 +255,11 @@ render_table! {
         /// not depend on it.
         #[flag(value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
         mis_compensation: bool = false,
-        /// Shadow rays per camera ray, 1 to 1024; with light selection `all` per light
-        #[schemars(range(min = 1, max = 1024))]
-        #[flag(value_name = "N", value_parser = parse_shadow_rays())]
-        shadow_rays: u32 = 1,
+        /// Shadow rays per camera ray, `auto` or 1 to 1024; with light selection `all` per light
+        ///
+        /// `auto` is one, or four where a few pixels tell that these are sooner at the same error.
+        #[flag(value_name = "N")]
+        shadow_rays: ShadowRays = ShadowRays::default(),
         /// Where on the lights the points of a camera ray's shadow rays lie
         #[flag(value_enum)]
         shadow_pattern: ShadowPattern = ShadowPattern::default(),

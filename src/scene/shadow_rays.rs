@@ -2,6 +2,10 @@
 
 use super::choice::choice;
 use crate::lattice;
+use schemars::JsonSchema;
+use serde::de::{Deserialize, Deserializer, Visitor};
+use serde::ser::{Serialize, Serializer};
+use std::str::FromStr;
 
 /// Most shadow rays per camera ray, and with light selection `all` per light.
 pub const MAX_SHADOW_RAYS: u32 = 1024;
@@ -9,6 +13,126 @@ pub const MAX_SHADOW_RAYS: u32 = 1024;
 /// Most light samples that a camera ray takes in all: with light selection `all` the lights' shadow
 /// rays together. So many fit half a word of a sample's record.
 pub const MAX_LIGHT_SAMPLES: u64 = 0xffff;
+
+/// How many shadow rays a camera ray has, with light selection `all` per light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum ShadowRays {
+    /// One, or [`SEVERAL`](Self::SEVERAL) where a few pixels tell that they pay.
+    #[default]
+    Auto,
+    /// So many.
+    Number(u32),
+}
+
+impl ShadowRays {
+    /// How many there are with `auto` where several pay.
+    pub const SEVERAL: u32 = 4;
+
+    /// How many there are before pixels have been asked.
+    pub fn least(self) -> u32 {
+        match self {
+            Self::Auto => 1,
+            Self::Number(rays) => rays,
+        }
+    }
+
+    /// How many there may be.
+    pub fn most(self) -> u32 {
+        match self {
+            Self::Auto => Self::SEVERAL,
+            Self::Number(rays) => rays,
+        }
+    }
+}
+
+/// The word for [`ShadowRays::Auto`].
+const AUTO: &str = "auto";
+/// What a number of shadow rays can be.
+const EXPECTED: &str = "\"auto\" or a number from 1 to 1024";
+
+impl std::fmt::Display for ShadowRays {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Auto => f.write_str(AUTO),
+            Self::Number(rays) => rays.fmt(f),
+        }
+    }
+}
+
+impl FromStr for ShadowRays {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = text
+            .parse()
+            .ok()
+            .filter(|n| (1..=MAX_SHADOW_RAYS).contains(n));
+        match (text, number) {
+            (AUTO, _) => Ok(Self::Auto),
+            (_, Some(rays)) => Ok(Self::Number(rays)),
+            _ => Err(format!("expected {EXPECTED}")),
+        }
+    }
+}
+
+impl Serialize for ShadowRays {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto => serializer.serialize_str(AUTO),
+            Self::Number(rays) => serializer.serialize_u32(*rays),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for ShadowRays {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(WordOrNumber)
+    }
+}
+
+struct WordOrNumber;
+
+impl Visitor<'_> for WordOrNumber {
+    type Value = ShadowRays;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(EXPECTED)
+    }
+
+    fn visit_i64<E: serde::de::Error>(self, number: i64) -> Result<ShadowRays, E> {
+        let unexpected = serde::de::Unexpected::Signed(number);
+        let rays = u32::try_from(number).map_err(|_| E::invalid_value(unexpected, &self))?;
+        Ok(ShadowRays::Number(rays))
+    }
+
+    fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<ShadowRays, E> {
+        let unexpected = serde::de::Unexpected::Unsigned(number);
+        let rays = u32::try_from(number).map_err(|_| E::invalid_value(unexpected, &self))?;
+        Ok(ShadowRays::Number(rays))
+    }
+
+    fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<ShadowRays, E> {
+        let unexpected = serde::de::Unexpected::Str(word);
+        (word == AUTO)
+            .then_some(ShadowRays::Auto)
+            .ok_or_else(|| E::invalid_value(unexpected, &self))
+    }
+}
+
+impl JsonSchema for ShadowRays {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "ShadowRays".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({
+            "anyOf": [
+                { "const": AUTO },
+                { "type": "integer", "minimum": 1, "maximum": MAX_SHADOW_RAYS }
+            ]
+        })
+    }
+}
 
 choice! {
     /// Where on the lights the points of a camera ray's shadow rays lie.

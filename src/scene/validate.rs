@@ -304,10 +304,10 @@ impl Check<'_> {
         )?;
         let rays = render.estimator.shadow_rays;
         self.require(
-            (1..=MAX_SHADOW_RAYS).contains(&rays),
+            (1..=MAX_SHADOW_RAYS).contains(&rays.most()),
             || "render.shadow_rays".to_owned(),
             || format!("is {rays}"),
-            "1 to 1024",
+            "\"auto\" or 1 to 1024",
         )?;
         let depth = render.estimator.max_specular_depth;
         self.require(
@@ -321,7 +321,7 @@ impl Check<'_> {
             LightSelection::Auto
             | LightSelection::Uniform
             | LightSelection::Power
-            | LightSelection::Tree => u64::from(rays),
+            | LightSelection::Tree => u64::from(rays.most()),
         };
         self.require(
             samples <= MAX_LIGHT_SAMPLES,

@@ -8,7 +8,7 @@ use direkt::low_level::reference::exact::scene::ExactScene;
 use direkt::low_level::stats::moments::Moments;
 use direkt::low_level::stats::t_test::one_sample;
 use direkt::scene::material::DielectricLayer;
-use direkt::scene::{Bsdf, FilmSize, Scene, Strategy};
+use direkt::scene::{Bsdf, FilmSize, Scene, ShadowRays, Strategy};
 use direkt_instruments::compare::{CompareError, Settings, compare};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -91,7 +91,7 @@ fn exact_answers_reject_every_broken_twin() {
     });
     // A light so near that BSDF samples find much of it.
     let mut near = scene("scenes/tests/square_near.toml");
-    near.render.estimator.shadow_rays = 4;
+    near.render.estimator.shadow_rays = ShadowRays::Number(4);
     assert_rejected("near square, 4 shadow rays", near, |twin| {
         twin == BrokenTwin::RaysForgotten
     });

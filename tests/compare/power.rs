@@ -4,7 +4,7 @@ use super::compared;
 use crate::support::{KINDS_OF_STRATEGIES, prepared_for, scene, scenes_of_lights};
 use direkt::low_level::effects::Effect;
 use direkt::low_level::reference::broken::{BROKEN_TWINS, BrokenTwin};
-use direkt::scene::{LightSampling, Scene, Strategy};
+use direkt::scene::{LightSampling, Scene, ShadowRays, Strategy};
 use direkt_instruments::compare::Comparison;
 
 /// By which parts of the comparison a broken twin was rejected, on how many scenes.
@@ -46,7 +46,7 @@ fn cases_of_several_rays() -> Vec<(String, Scene, Strategy, u32)> {
     let sky = "scenes/tests/sky.toml";
     scenes.push((sky.to_owned(), scene(sky)));
     let several = |(name, mut scene): (String, Scene)| {
-        scene.render.estimator.shadow_rays = 4;
+        scene.render.estimator.shadow_rays = ShadowRays::Number(4);
         let name = format!("{name} with 4 shadow rays");
         (name, scene, Strategy::MisPower, 1 << 12)
     };

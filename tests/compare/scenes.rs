@@ -7,7 +7,7 @@ use crate::support::{
     statistics,
 };
 use direkt::scene::load::{LoadOptions, load};
-use direkt::scene::{Geometry, LightSelection, Sampler, ShadowPattern, Strategy};
+use direkt::scene::{Geometry, LightSelection, Sampler, ShadowPattern, ShadowRays, Strategy};
 use direkt_instruments::compare::Comparison;
 use glam::DVec3;
 
@@ -83,7 +83,7 @@ fn gpu_and_reference_agree_with_several_shadow_rays() {
         ] {
             let mut scene = scene.clone();
             scene.render.estimator.light_selection = selection;
-            scene.render.estimator.shadow_rays = rays;
+            scene.render.estimator.shadow_rays = ShadowRays::Number(rays);
             scene.render.estimator.shadow_pattern = pattern;
             scene.render.estimator.sampler = sampler;
             let comparison = compared(&scene, strategy, (1 << 11, 64), None);
@@ -105,7 +105,7 @@ fn gpu_and_reference_agree_with_a_light_tree() {
         ] {
             let mut scene = scene.clone();
             scene.render.estimator.light_selection = LightSelection::Tree;
-            scene.render.estimator.shadow_rays = rays;
+            scene.render.estimator.shadow_rays = ShadowRays::Number(rays);
             scene.render.estimator.shadow_pattern = pattern;
             scene.render.estimator.sampler = sampler;
             let comparison = compared(&scene, strategy, (1 << 11, 64), None);

@@ -6,7 +6,8 @@ use crate::support::{context, prepared, scene};
 use direkt::low_level::prepare::Prepared;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
-    Emission, FilmSize, Geometry, LightSampling, LightSelection, Mesh, Sampler, Scene, Shape,
+    Emission, FilmSize, Geometry, LightSampling, LightSelection, Mesh, Sampler, Scene, ShadowRays,
+    Shape,
 };
 use glam::{DMat3, DVec3};
 
@@ -49,6 +50,7 @@ fn small(mut scene: Scene) -> Scene {
     };
     scene.render.estimator.sampler = Sampler::Independent;
     scene.render.estimator.adaptive = false;
+    scene.render.estimator.shadow_rays = ShadowRays::Number(1);
     scene.render.estimator.light_sampling = LightSampling::SolidAngle;
     scene.render.estimator.light_selection = LightSelection::Uniform;
     scene

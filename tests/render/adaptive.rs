@@ -8,7 +8,7 @@ use direkt::low_level::reference::core::sampler::{GROUP_FILM, Numbers};
 use direkt::low_level::render::{Film, Pixel, Session, StopReason, render_through_losses};
 use direkt::low_level::stats::moments::Moments;
 use direkt::low_level::stats::z_test::z_test;
-use direkt::scene::{FilmSize, Sampler, Scene, Strategy};
+use direkt::scene::{FilmSize, Sampler, Scene, ShadowRays, Strategy};
 use std::collections::BTreeSet;
 use std::time::Duration;
 
@@ -110,6 +110,7 @@ fn passes_regions_and_lost_devices_change_nothing() {
     const SPP: u64 = 400;
     let mut scene = cornell(40, 30);
     scene.render.estimator.sampler = Sampler::Sobol;
+    scene.render.estimator.shadow_rays = ShadowRays::Auto;
     let prepared = prepared(scene);
     let context = context();
     let mut whole = session(context, &prepared, 0);
@@ -164,7 +165,7 @@ fn a_render_that_begins_again_forgets_the_one_before() {
     let prepared = prepared(cornell(40, 30));
     let mut again = session(context, &prepared, 2);
     take(&mut again, 64);
-    again.restart(3, prepared.patterns()).unwrap();
+    again.restart(3, prepared.settings.stop.spp).unwrap();
     let mut new = session(context, &prepared, 3);
     for samples in [PILOT, PILOT + 1] {
         take(&mut again, samples);
@@ -244,7 +245,7 @@ fn means_are_unbiased() {
     let mut session = session(context, &prepared, 0);
     let mut means = [Moments::default(), Moments::default()];
     for seed in 0..IMAGES {
-        session.restart(seed, prepared.patterns()).unwrap();
+        session.restart(seed, prepared.settings.stop.spp).unwrap();
         take(&mut session, PILOT);
         let pilot = session.snapshot().unwrap().0;
         take(&mut session, 40);

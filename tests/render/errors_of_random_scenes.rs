@@ -2,7 +2,7 @@
 
 use crate::scene::random_scenes::{random_scene, write_textures};
 use crate::support::{context, take};
-use direkt::low_level::prepare::{Patterns, Prepared};
+use direkt::low_level::prepare::Prepared;
 use direkt::low_level::render::{Session, StatedError};
 use direkt::scene::{FilmSize, Sampler};
 use direkt_instruments::cost::error::mean_errors;
@@ -57,7 +57,6 @@ fn errors_hold_on_scenes_that_nobody_chose() {
         let sampler = [Sampler::Sobol, Sampler::Independent][seed as usize % 2];
         scene.render.estimator.sampler = sampler;
         let prepared = Prepared::of(scene);
-        let patterns = Patterns::new(sampler, u64::MAX, prepared.shadow_rays());
         let mut session = Session::new(context(), &prepared, prepared.film, 99_991).unwrap();
         take(&mut session, OF_TRUTH);
         let truth = session.snapshot().unwrap().0;
@@ -66,7 +65,7 @@ fn errors_hold_on_scenes_that_nobody_chose() {
         for adaptive in [false, true] {
             session.set_adaptive(adaptive);
             for image in 0..IMAGES {
-                session.restart(image, patterns).unwrap();
+                session.restart(image, u64::MAX).unwrap();
                 for samples in [16, 64] {
                     take(&mut session, samples);
                     let film = session.snapshot().unwrap().0;

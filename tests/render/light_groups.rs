@@ -263,7 +263,7 @@ fn groups_go_on_exactly_from_where_they_stood() {
     other.resume(checkpoint).unwrap();
     take(&mut other, 300);
     assert_eq!(other.snapshot().unwrap().0, whole);
-    other.restart(3, prepared.patterns()).unwrap();
+    other.restart(3, prepared.settings.stop.spp).unwrap();
     take(&mut other, 300);
     assert_eq!(other.snapshot().unwrap().0, whole);
 }

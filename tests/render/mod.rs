@@ -16,6 +16,7 @@ mod one_pixel;
 mod opacity;
 mod pixel_filter;
 mod random_polygons;
+mod scouts;
 pub mod second_uvs;
 mod shadow_rays;
 mod strategies;

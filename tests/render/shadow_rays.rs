@@ -12,7 +12,7 @@ use direkt::low_level::stats::t_test::one_sample;
 use direkt::scene::Projection;
 use direkt::scene::{
     DirectionalLight, ExpectedRadiance, FilmSize, Geometry, Light, LightSelection, Sampler, Scene,
-    ShadowGrid, ShadowPattern, Strategy,
+    ShadowGrid, ShadowPattern, ShadowRays, Strategy,
 };
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
@@ -23,7 +23,7 @@ const FACTOR: f64 = RADIANCE * 0.5 / PI;
 
 /// `scene` with `rays` shadow rays in `pattern`.
 fn with_rays(mut scene: Scene, rays: u32, pattern: ShadowPattern) -> Scene {
-    scene.render.estimator.shadow_rays = rays;
+    scene.render.estimator.shadow_rays = ShadowRays::Number(rays);
     scene.render.estimator.shadow_pattern = pattern;
     scene
 }

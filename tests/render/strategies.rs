@@ -14,7 +14,7 @@ use direkt::low_level::render::Film;
 use direkt::scene::Projection;
 use direkt::scene::{
     Bsdf, FilmSize, Geometry, LightSampling, LightSelection, Sampler, Scene, ShadowPattern,
-    Strategy,
+    ShadowRays, Strategy,
 };
 use glam::DVec3;
 
@@ -143,7 +143,7 @@ fn shadow_rays_do_not_change_the_mean() {
         let film = recorded_film(context, &one, (FILM, 85, SAMPLES), Part::Reflected);
         for pattern in [ShadowPattern::Random, ShadowPattern::Stratified] {
             let mut scene = scene.clone();
-            scene.render.estimator.shadow_rays = 4;
+            scene.render.estimator.shadow_rays = ShadowRays::Number(4);
             scene.render.estimator.shadow_pattern = pattern;
             let four = prepared_for(scene, Strategy::MisPower, LightSelection::Power);
             let of_four = recorded_film(context, &four, (FILM, 86, SAMPLES), Part::Reflected);

@@ -9,7 +9,7 @@ use crate::support::{KINDS_OF_STRATEGIES, context, own_scenes, prepared_for, sce
 use direkt::low_level::gpu::recorder::Recorder;
 use direkt::low_level::reference::Twin;
 use direkt::low_level::reference::broken::{BROKEN_TWINS, BrokenTwin};
-use direkt::scene::{FilmSize, LightSelection};
+use direkt::scene::{FilmSize, LightSelection, ShadowRays};
 use direkt_instruments::compare::per_pixel::{Accumulator, PerPixel};
 use direkt_instruments::compare::whole_image::WholeImage;
 use std::collections::BTreeMap;
@@ -40,7 +40,7 @@ fn pixels_and_means_are_the_twins() {
     let mut smallest = BTreeMap::new();
     let mut scenes = own_scenes();
     let mut sky = scene("scenes/tests/sky.toml");
-    sky.render.estimator.shadow_rays = 4;
+    sky.render.estimator.shadow_rays = ShadowRays::Number(4);
     scenes.push(("sky.toml with 4 shadow rays".to_owned(), sky));
     for (name, scene) in scenes {
         for strategy in KINDS_OF_STRATEGIES {

@@ -14,7 +14,7 @@ fn the_number_has_bounds() {
     for rays in ["0", "1025"] {
         says(
             refused(&format!("{CAMERA}[render]\nshadow_rays = {rays}\n")),
-            &format!("render.shadow_rays: is {rays}; expected 1 to 1024"),
+            &format!("render.shadow_rays: is {rays}; expected \"auto\" or 1 to 1024"),
         );
     }
 }

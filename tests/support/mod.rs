@@ -22,7 +22,8 @@ use direkt::low_level::stats::z_test::z_test;
 use direkt::scene::load::{LoadOptions, load};
 use direkt::scene::{
     Bsdf, Camera, Emission, EstimatorSettings, FilmSize, Geometry, Light, LightSelection, Material,
-    MaterialId, PointLight, RenderSettings, Sampler, Scene, Shape, StopSettings, Strategy,
+    MaterialId, PointLight, RenderSettings, Sampler, Scene, ShadowRays, Shape, StopSettings,
+    Strategy,
 };
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -72,6 +73,7 @@ pub fn scene(path: &str) -> Scene {
     let mut scene = scene_as_it_is(path);
     scene.render.estimator.sampler = Sampler::Independent;
     scene.render.estimator.adaptive = false;
+    scene.render.estimator.shadow_rays = ShadowRays::Number(1);
     scene
 }
 
@@ -215,6 +217,7 @@ pub fn floor_pixel() -> Scene {
             estimator: EstimatorSettings {
                 sampler: Sampler::Independent,
                 adaptive: false,
+                shadow_rays: ShadowRays::Number(1),
                 ..EstimatorSettings::default()
             },
             stop: StopSettings {

@@ -9,7 +9,7 @@ use direkt::low_level::gpu::{AdapterFacts, Context};
 use direkt::low_level::image::signed;
 use direkt::low_level::prepare::Prepared;
 use direkt::low_level::reference::BrokenTwin;
-use direkt::scene::{EstimatorSettings, FilmSize, Sampler};
+use direkt::scene::{EstimatorSettings, FilmSize, Sampler, ShadowRays};
 use direkt_instruments::compare::{
     CompareError, Comparison, Settings, compare, default_film, minimum_samples, per_sample,
 };
@@ -142,6 +142,8 @@ fn prepare(
     let mut scene = arguments.scene.load(plan, device)?;
     scene.render.estimator.sampler = Sampler::Independent;
     arguments.estimator.apply(&mut scene)?;
+    let rays = &mut scene.render.estimator.shadow_rays;
+    *rays = ShadowRays::Number(rays.least());
     warn(&scene);
     let size = arguments.estimator.image.size;
     let settings = Settings {
@@ -225,7 +227,7 @@ fn text(report: &Report) -> String {
         report.estimator.light_selection,
         report.estimator.shadow_rays,
         report.estimator.shadow_pattern,
-        if report.estimator.shadow_rays == 1 {
+        if report.estimator.shadow_rays == ShadowRays::Number(1) {
             "ray"
         } else {
             "rays"

@@ -14,7 +14,9 @@ use clap::ValueEnum;
 use direkt::error::{Error, number};
 use direkt::low_level::console::{print, say};
 use direkt::low_level::gpu::Context;
-use direkt::scene::{LightSampling, LightSelection, Sampler, Scene, ShadowPattern, Strategy};
+use direkt::scene::{
+    LightSampling, LightSelection, Sampler, Scene, ShadowPattern, ShadowRays, Strategy,
+};
 use direkt_instruments::cost::calibrate::{self, Calibration};
 use direkt_instruments::cost::estimator::{self, Choices};
 use direkt_instruments::cost::{Compiled, SceneCost, Settings, measure};
@@ -50,8 +52,8 @@ pub struct Arguments {
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     light_selections: Vec<LightSelection>,
     /// Numbers of shadow rays per camera ray to compare, each 1 to 1024 [default: the scene's]
-    #[arg(long, value_name = "LIST", value_parser = direkt::scene::settings::parse_shadow_rays(), value_delimiter = ',')]
-    shadow_rays: Vec<u32>,
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    shadow_rays: Vec<ShadowRays>,
     /// Patterns of their points to compare [default: the scene's]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     shadow_patterns: Vec<ShadowPattern>,

@@ -1,6 +1,7 @@
 //! Errors against time, of this run and those before it.
 
 use super::picture::Picture;
+use direkt::scene::ShadowRays;
 use std::sync::Arc;
 
 /// Runs that are kept at most.
@@ -69,7 +70,7 @@ fn label(picture: &Picture) -> String {
         "{}, {}",
         settings.estimator.strategy, settings.estimator.sampler
     );
-    if settings.estimator.shadow_rays > 1 {
+    if settings.estimator.shadow_rays != ShadowRays::default() {
         label += &format!(", {} shadow rays", settings.estimator.shadow_rays);
     }
     if settings.estimator.light_selection != Default::default() {

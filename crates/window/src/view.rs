@@ -318,7 +318,7 @@ impl<'a> View<'a> {
             version,
             run: self.run,
             method: Arc::clone(&self.method),
-            estimator: self.prepared.settings.estimator,
+            estimator: film.settings_of(self.prepared.settings.estimator),
             colours: Arc::new(colours(&film, other, request.layer, &request.display)),
             full: !self.moving,
             samples: self.samples(),

@@ -46,7 +46,9 @@ pub fn visit(scene: &mut Scene, visit: &mut impl FnMut(f64) -> f64) {
         }
     }
     let render = &mut scene.render;
-    visit.integer(&mut render.estimator.shadow_rays);
+    if let direkt::scene::ShadowRays::Number(rays) = &mut render.estimator.shadow_rays {
+        visit.integer(rays);
+    }
     visit.number(&mut render.stop.confidence);
     for limit in [&mut render.stop.time, &mut render.stop.error]
         .into_iter()

@@ -4,15 +4,16 @@ use super::checkpoint::Saved;
 use super::progress::Progress;
 use super::region::{Region, light_groups, most_tiles};
 use super::{RayCounts, Session};
+use crate::effects::Effect;
 use crate::error::GpuError;
 use crate::gpu::kernel::{DIRECT, SceneKernel};
 use crate::gpu::layout::{RowTask, TILE, TILE_PIXELS};
 use crate::gpu::shader::KernelConstants;
 use crate::gpu::{Context, GpuBuffer, SceneBuffers, frame_of};
-use crate::prepare::{Patterns, Prepared};
+use crate::prepare::Prepared;
 use crate::render::film::Film;
 use crate::render::memory;
-use crate::scene::FilmSize;
+use crate::scene::{FilmSize, ShadowRays};
 use std::time::{Duration, Instant};
 
 /// Tiles of a region at most: 2²⁰ pixels, 48 MiB of states.
@@ -130,6 +131,8 @@ impl<'a> Session<'a> {
             pilot: None,
             rays: RayCounts::default(),
             adaptive: prepared.settings.estimator.adaptive,
+            asked_rays: asked_rays(prepared),
+            planned: prepared.settings.stop.spp,
             progress: Progress::default(),
             budget: first_budget(prepared),
             dispatch_time: dispatch_time(context),
@@ -172,39 +175,42 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    fn write_frame(&self) -> Result<(), GpuError> {
+    pub(super) fn write_frame(&self) -> Result<(), GpuError> {
         let bytes = bytemuck::bytes_of(&self.frame_data);
         let queue = &self.context.queue;
         self.context
             .checked(|| queue.write_buffer(self.frame.raw(), 0, bytes))
     }
 
-    /// Begins again without compiling anew: with other random numbers, of a sampler with other
-    /// `patterns`. What was rendered is forgotten, how long a dispatch takes is not.
+    /// Begins again without compiling anew: with other random numbers, whose patterns are made for
+    /// `planned` samples per pixel. What was rendered is forgotten, how long a dispatch takes is
+    /// not.
     ///
     /// # Errors
     /// The driver fails.
-    pub fn restart(&mut self, seed: u32, patterns: Patterns) -> Result<(), GpuError> {
+    pub fn restart(&mut self, seed: u32, planned: u64) -> Result<(), GpuError> {
         self.frame_data.seed = seed;
-        self.frame_data.patterns = patterns.into();
-        self.write_frame()?;
+        self.planned = planned;
+        self.set_shadow_rays(self.asked_rays.least())?;
+        self.progress.shadow_rays = None;
         self.forget()
     }
 
     /// Begins again with another camera or another size of the image, without compiling anew.
     /// `prepared` is what the session was made of but for its camera, which calls for the same
-    /// effects.
+    /// effects. There are as many shadow rays as before.
     ///
     /// # Errors
     /// The driver fails.
     pub fn reframe(&mut self, prepared: &Prepared, film: FilmSize) -> Result<(), GpuError> {
+        let rays = self.shadow_rays();
         self.frame_data = frame_of(prepared, film, self.frame_data.seed);
-        self.write_frame()?;
         if film != self.film.size {
             self.film = new_film(prepared, film);
-            self.progress = Progress::default();
+            self.progress = Progress::with_shadow_rays(self.progress.shadow_rays);
             self.make_regions(prepared, REGION_TILES)?;
         }
+        self.set_shadow_rays(rays)?;
         self.forget()
     }
 
@@ -213,7 +219,7 @@ impl<'a> Session<'a> {
         self.film = self.film.emptied();
         self.pilot = None;
         let was_shared_out = self.progress.allocation.is_some();
-        self.progress = Progress::default();
+        self.progress = Progress::with_shadow_rays(self.progress.shadow_rays);
         if was_shared_out {
             self.sort_pixels()?;
         }
@@ -225,10 +231,25 @@ impl<'a> Session<'a> {
         self.adaptive = adaptive;
     }
 
+    /// Takes `rays` shadow rays per camera ray, with light selection `all` per light, whatever pixels
+    /// would tell; of a scene in which a second differs from the first.
+    pub fn fix_shadow_rays(&mut self, rays: u32) {
+        self.asked_rays = ShadowRays::Number(rays);
+    }
+
     /// Lets dispatches last about `time`: shorter ones cost some speed, but the caller is asked
     /// sooner whether to stop.
     pub fn set_dispatch_time(&mut self, time: Duration) {
         self.dispatch_time = time;
+    }
+}
+
+/// Shadow rays that `prepared` asks for, as far as a second differs from the first.
+fn asked_rays(prepared: &Prepared) -> ShadowRays {
+    if prepared.effects.contains(Effect::ShadowRays) {
+        prepared.settings.estimator.shadow_rays
+    } else {
+        ShadowRays::Number(1)
     }
 }
 

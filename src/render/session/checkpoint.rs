@@ -119,6 +119,9 @@ impl Session<'_> {
             }
         })?;
         self.progress = saved.progress.clone();
+        if let Some(rays) = self.progress.shadow_rays {
+            self.set_shadow_rays(rays)?;
+        }
         self.sort_pixels()?;
         (self.film, self.pilot) = (film, pilot);
         (self.rays, self.saved) = (rays, saved);

@@ -2,6 +2,7 @@
 
 use crate::gpu::layout::BLOCK_SAMPLES;
 use crate::render::adaptive::{Allocation, CLASSES, FIRST};
+use crate::render::scouts;
 use std::sync::Arc;
 
 /// Pixels that have the same number of samples.
@@ -42,6 +43,11 @@ impl Class {
 pub(super) struct Progress {
     pub classes: Vec<Class>,
     pub allocation: Option<Arc<Allocation>>,
+    /// Shadow rays per camera ray, with light selection `all` per light; `None` until pixels have
+    /// been asked.
+    pub shadow_rays: Option<u32>,
+    /// Index of the first sample before any are shared out.
+    first: u64,
     /// The level of the allocation that the classes have or are brought to.
     level: u32,
 }
@@ -51,12 +57,31 @@ impl Default for Progress {
         Self {
             classes: vec![Class::default()],
             allocation: None,
+            shadow_rays: None,
+            first: 0,
             level: 0,
         }
     }
 }
 
 impl Progress {
+    /// None yet, of an image with `shadow_rays`.
+    pub(crate) fn with_shadow_rays(shadow_rays: Option<u32>) -> Self {
+        Self {
+            shadow_rays,
+            ..Self::default()
+        }
+    }
+
+    /// None yet, of scouts, which are a class of their own.
+    pub(crate) fn of_scouts() -> Self {
+        Self {
+            classes: vec![Class::default(); 2],
+            first: scouts::FIRST,
+            ..Self::default()
+        }
+    }
+
     /// Samples per pixel of the best image there is, on average where they differ.
     pub(crate) fn samples(&self) -> u64 {
         match &self.allocation {
@@ -89,9 +114,9 @@ impl Progress {
         allocation.is_some_and(|allocation| !allocation.replaces_pilot(self.of_classes()))
     }
 
-    /// Index of the first sample after the pilot, where there was one.
+    /// Index of the first sample: after the pilot, where there was one.
     pub(crate) fn first_sample(&self) -> u64 {
-        self.allocation.as_ref().map_or(0, |_| FIRST)
+        self.allocation.as_ref().map_or(self.first, |_| FIRST)
     }
 
     /// Class of the pixel `index`.
@@ -116,6 +141,12 @@ impl Progress {
             return vec![(class.samples() + samples).min(most)];
         };
         let mean = allocation.mean(self.of_classes()) + samples;
+        if allocation.is_even() {
+            let classes = 0..self.classes.len();
+            return classes
+                .map(|class| if allocation.has(class) { mean } else { 0 })
+                .collect();
+        }
         self.level = allocation.level_of(mean, self.level);
         let targets = self.classes.iter().enumerate();
         let targets = targets.map(|(number, class)| {

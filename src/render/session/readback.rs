@@ -94,7 +94,7 @@ impl Session<'_> {
         self.clear(regions.map(|region| (region, region.all_rows())))
     }
 
-    fn clear<'r>(
+    pub(super) fn clear<'r>(
         &self,
         blocks: impl Iterator<Item = (&'r Region, Range<u32>)>,
     ) -> Result<(), GpuError> {

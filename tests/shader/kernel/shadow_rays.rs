@@ -10,7 +10,7 @@ use direkt::low_level::reference::core::sampler::{Numbers, SampleId};
 use direkt::low_level::reference::kernel::shadow_rays::{ShadowRays, grid_point};
 use direkt::low_level::stats::chi2::{Totals, chi2_test};
 use direkt::scene::environment::Interpolation;
-use direkt::scene::{LightSelection, Sampler, ShadowGrid, ShadowPattern, Strategy};
+use direkt::scene::{self, LightSelection, Sampler, ShadowGrid, ShadowPattern, Strategy};
 use glam::DVec2;
 
 const PATTERNS: [ShadowPattern; 4] = [
@@ -40,7 +40,7 @@ fn prepared(
     sampler: Sampler,
 ) -> Prepared {
     let mut scene = every_kind(environment_map(Interpolation::Nearest));
-    scene.render.estimator.shadow_rays = rays;
+    scene.render.estimator.shadow_rays = scene::ShadowRays::Number(rays);
     scene.render.estimator.shadow_pattern = pattern;
     scene.render.estimator.sampler = sampler;
     scene.render.seed = 51;

@@ -41,7 +41,7 @@ fn the_frame_is_the_hosts() {
                out_vec3f(42u, frame.environment.y);
                out_u32(45u, frame.environment.height);
                out_vec3f(46u, frame.environment.z);
-               out_f32(49u, frame.environment.samples);
+               out_f32(49u, frame.environment.samples_per_ray);
                out_vec3f(50u, frame.environment.radiance);
                out_u32(53u, frame.environment.linear);
                out_u32(54u, frame.environment.grid.x); out_u32(55u, frame.environment.grid.y);
@@ -95,7 +95,7 @@ fn the_frame_is_the_hosts() {
         floats(&frame.environment.y),
         vec![frame.environment.height],
         floats(&frame.environment.z),
-        floats(&[frame.environment.samples]),
+        floats(&[frame.environment.samples_per_ray]),
         floats(&frame.environment.radiance),
         vec![frame.environment.linear],
         frame.environment.grid.to_vec(),

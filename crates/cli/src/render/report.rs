@@ -87,7 +87,7 @@ pub(super) fn report(prepared: &Prepared, rendered: &Rendered, seconds: Seconds)
         error: film.error(),
         non_finite: film.ledger,
         effects: effect_reports(prepared),
-        estimator: settings.estimator,
+        estimator: film.settings_of(settings.estimator),
         biased: prepared.bias(),
         seed: settings.seed,
         aovs: settings.aovs,

@@ -178,6 +178,7 @@ pub fn compare(
     }
     let mut session = Session::new(context, prepared, film, seed)?;
     session.set_adaptive(false);
+    session.fix_shadow_rays(prepared.shadow_rays());
     while session.samples() < samples {
         session.pass(session.pass_samples(samples - session.samples()), || false)?;
     }

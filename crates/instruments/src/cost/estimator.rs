@@ -6,7 +6,7 @@ use direkt::low_level::emitters::{Emitter, Emitters};
 use direkt::low_level::prepare::Prepared;
 use direkt::scene::{
     EstimatorSettings, LightSampling, LightSelection, RenderSettings, Sampler, ShadowPattern,
-    Strategy,
+    ShadowRays, Strategy,
 };
 use serde::Serialize;
 
@@ -57,7 +57,9 @@ impl Estimator {
         if !settings.strategy.is_mis() {
             settings.light_sampling = LightSampling::default();
         }
-        settings.shadow_rays = prepared.shadow_rays();
+        if !calls_for(Effect::ShadowRays) {
+            settings.shadow_rays = ShadowRays::default();
+        }
         settings.shadow_pattern = prepared.shadow_pattern();
         Self { settings, ..self }
     }
@@ -77,7 +79,7 @@ impl Estimator {
             self.settings.light_sampling.to_string(),
         );
         tell(told.selection, self.settings.light_selection.to_string());
-        let plural = if self.settings.shadow_rays == 1 {
+        let plural = if self.settings.shadow_rays == ShadowRays::Number(1) {
             ""
         } else {
             "s"
@@ -102,7 +104,7 @@ impl std::fmt::Display for Estimator {
         let told = LabelParts {
             sampling: self.settings.light_sampling != LightSampling::default(),
             selection: true,
-            rays: self.settings.shadow_rays != 1,
+            rays: self.settings.shadow_rays != ShadowRays::default(),
             pattern: self.settings.shadow_pattern != ShadowPattern::Random,
             adaptive: true,
             effects: self.effects != Compiled::CalledFor,
@@ -124,20 +126,20 @@ struct LabelParts {
 
 /// Names of `estimators`, which tell what differs among them.
 pub fn names(estimators: &[Estimator]) -> Vec<String> {
-    let differ = |key: &dyn Fn(&Estimator) -> u32| {
-        let mut keys = estimators.iter().map(key);
-        let first = keys.next();
-        keys.any(|k| Some(k) != first)
-    };
     let told = LabelParts {
-        sampling: differ(&|e| e.settings.light_sampling as u32),
-        selection: differ(&|e| e.settings.light_selection as u32),
-        rays: differ(&|e| e.settings.shadow_rays),
-        pattern: differ(&|e| e.settings.shadow_pattern as u32),
-        adaptive: differ(&|e| u32::from(e.settings.adaptive)),
+        sampling: differ(estimators, |e| e.settings.light_sampling),
+        selection: differ(estimators, |e| e.settings.light_selection),
+        rays: differ(estimators, |e| e.settings.shadow_rays),
+        pattern: differ(estimators, |e| e.settings.shadow_pattern),
+        adaptive: differ(estimators, |e| e.settings.adaptive),
         effects: estimators.iter().any(|e| e.effects != Compiled::CalledFor),
     };
     estimators.iter().map(|e| e.name(told)).collect()
+}
+
+fn differ<T: PartialEq>(estimators: &[Estimator], key: impl Fn(&Estimator) -> T) -> bool {
+    let pairs = estimators.windows(2);
+    pairs.into_iter().any(|pair| key(&pair[0]) != key(&pair[1]))
 }
 
 /// An estimator that a scene cannot use.
@@ -162,7 +164,7 @@ pub struct Choices {
     /// How one of several lights is chosen.
     pub light_selections: Vec<LightSelection>,
     /// Shadow rays per camera ray.
-    pub shadow_rays: Vec<u32>,
+    pub shadow_rays: Vec<ShadowRays>,
     /// Where on the lights their points lie.
     pub shadow_patterns: Vec<ShadowPattern>,
     /// How random numbers are made.
@@ -316,7 +318,7 @@ mod tests {
         assert_eq!(names(&combinations(&choices)), expected);
         choices.strategies.remove(0);
         choices.light_samplings.truncate(1);
-        choices.shadow_rays = vec![1, 4];
+        choices.shadow_rays = [1, 4].map(ShadowRays::Number).to_vec();
         choices.shadow_patterns.push(ShadowPattern::Stratified);
         let expected = [
             "mis-power · independent · 1 ray · random",

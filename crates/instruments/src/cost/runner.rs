@@ -7,7 +7,7 @@ use super::interrupted::Interrupted;
 use direkt::error::{GpuError, InputError};
 use direkt::low_level::effects::Effect;
 use direkt::low_level::gpu::Context;
-use direkt::low_level::prepare::{Patterns, Prepared, SceneData};
+use direkt::low_level::prepare::{Prepared, SceneData};
 use direkt::low_level::render::goal::{ErrorMonitor, Verdict};
 use direkt::low_level::render::{ErrorGoal, Film, RayCounts, Session, StopReason};
 use direkt::scene::{FilmSize, RenderSettings, Scene, validate};
@@ -60,8 +60,6 @@ pub struct Runner<'a> {
     /// The estimator.
     pub estimator: Estimator,
     session: Session<'a>,
-    /// Shadow rays of a camera ray that differ, with light selection `all` per light.
-    shadow_rays: u32,
     /// Why its images do not converge to direct lighting; none where they do.
     pub biased: Option<String>,
     /// Seconds that compiling took.
@@ -103,7 +101,6 @@ impl<'a> Runner<'a> {
             estimator,
             compile_seconds: session.compile_seconds,
             session,
-            shadow_rays: prepared.shadow_rays(),
             biased: prepared.bias(),
             primitives: prepared.data.primitives.len(),
             seconds_per_count: f64::INFINITY,
@@ -159,8 +156,7 @@ impl<'a> Runner<'a> {
         mut due: impl FnMut(&Session<'_>) -> Result<Option<u64>, GpuError>,
     ) -> Result<Run, Interrupted> {
         let session = &mut self.session;
-        let patterns = Patterns::new(self.estimator.settings.sampler, planned, self.shadow_rays);
-        session.restart(seed, patterns)?;
+        session.restart(seed, planned)?;
         let start = Instant::now();
         let mut passes = 0;
         while let Some(until) = due(session)? {

@@ -250,8 +250,7 @@ impl Rounds<'_, '_> {
         let Some(session) = &mut candidate.session else {
             return Ok(());
         };
-        let patterns = self.prepared.patterns();
-        session.restart(self.seed, patterns)?;
+        session.restart(self.seed, self.prepared.settings.stop.spp)?;
         let start = Instant::now();
         advance(session, self.samples, self.stop)?;
         let seconds = start.elapsed().as_secs_f64() / self.samples as f64;

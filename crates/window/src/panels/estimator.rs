@@ -5,7 +5,7 @@ use crate::app::App;
 use crate::request::VIEW_NAMES;
 use direkt::scene::settings::MAX_SPECULAR_DEPTH;
 use direkt::scene::shadow_rays::MAX_SHADOW_RAYS;
-use direkt::scene::{LightSampling, LightSelection, Sampler, ShadowPattern, Strategy};
+use direkt::scene::{LightSampling, LightSelection, Sampler, ShadowPattern, ShadowRays, Strategy};
 use eframe::egui::{DragValue, Ui};
 
 /// Shows the controls of the view that is edited.
@@ -43,8 +43,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
         "adaptive: more samples where the error is",
     );
     ui.horizontal_wrapped(|ui| {
-        let rays = DragValue::new(&mut settings.estimator.shadow_rays);
-        ui.add(rays.range(1..=MAX_SHADOW_RAYS).suffix(" shadow rays"));
+        shadow_rays(ui, &mut settings.estimator.shadow_rays);
         let depth = DragValue::new(&mut settings.estimator.max_specular_depth);
         ui.add(
             depth
@@ -52,7 +51,7 @@ pub fn show(app: &mut App, ui: &mut Ui) {
                 .prefix("specular depth "),
         );
     });
-    if settings.estimator.shadow_rays > 1
+    if settings.estimator.shadow_rays.most() > 1
         || settings.estimator.shadow_pattern != ShadowPattern::default()
     {
         choice::<ShadowPattern>(ui, "shadow pattern", &mut settings.estimator.shadow_pattern);
@@ -64,4 +63,28 @@ pub fn show(app: &mut App, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         ui.add(DragValue::new(&mut settings.seed).prefix("seed "));
     });
+}
+
+/// A number, or `auto` at its left end.
+fn shadow_rays(ui: &mut Ui, rays: &mut ShadowRays) {
+    let mut number = match *rays {
+        ShadowRays::Auto => 0,
+        ShadowRays::Number(number) => number,
+    };
+    let value = DragValue::new(&mut number)
+        .range(0..=MAX_SHADOW_RAYS)
+        .custom_formatter(|number, _| match number {
+            0.0 => ShadowRays::Auto.to_string(),
+            number => number.to_string(),
+        })
+        .custom_parser(|text| match text.trim().parse().ok()? {
+            ShadowRays::Auto => Some(0.0),
+            ShadowRays::Number(number) => Some(f64::from(number)),
+        })
+        .suffix(" shadow rays");
+    ui.add(value);
+    *rays = match number {
+        0 => ShadowRays::Auto,
+        number => ShadowRays::Number(number),
+    };
 }

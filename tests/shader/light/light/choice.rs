@@ -10,7 +10,7 @@ use direkt::low_level::reference::broken::BROKEN_TWINS;
 use direkt::low_level::reference::light::light::{choose_light, samples_of_light};
 use direkt::low_level::reference::scene::fetch::World;
 use direkt::low_level::stats::chi2::{Totals, chi2_test};
-use direkt::scene::{LightSelection, Strategy};
+use direkt::scene::{LightSelection, ShadowRays, Strategy};
 use glam::DVec3;
 
 /// Lights that are chosen from: all kinds, or two of powers 1 : 10⁶.
@@ -81,7 +81,7 @@ fn several_rays_multiply_the_density() {
     ] {
         for strategy in [Strategy::MisPower, Strategy::Bsdf] {
             let mut scene = every_kind(constant_environment());
-            scene.render.estimator.shadow_rays = 3;
+            scene.render.estimator.shadow_rays = ShadowRays::Number(3);
             let prepared = prepared_for(scene, strategy, selection);
             assert_eq!(prepared.emitters.lights.len(), count);
             let world = World::new(&prepared);
@@ -101,7 +101,7 @@ fn several_rays_multiply_the_density() {
                     LightSelection::All => samples_of_light(&world, index, prepared.shadow_rays()),
                     _ => prepared.shadow_rays(),
                 };
-                let expected = (f64::from(rays) * p) as f32;
+                let expected = rays as f32 * p as f32;
                 assert_eq!(
                     samples as f32, expected,
                     "{selection}, {strategy}, light {light}"
