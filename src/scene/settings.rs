@@ -4,7 +4,6 @@ use super::aov::{Aov, Aovs};
 use super::choice::choice;
 use super::error_metric::ErrorMetric;
 use super::sampler::Sampler;
-#[cfg(feature = "clap")]
 use super::shadow_rays::{ShadowPattern, ShadowRays};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
