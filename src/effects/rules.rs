@@ -6,6 +6,7 @@ use crate::emitters::{Emitter, Emitters, Selection};
 use crate::scene::environment::Interpolation;
 use crate::scene::material::Fresnel;
 use crate::scene::settings::{DirectionSampling, Heuristic, Techniques};
+use crate::scene::shadow_rays::MAX_LIGHT_SAMPLES;
 use crate::scene::{
     Camera, EnvironmentMap, EnvironmentRadiance, LightSampling, Material, MaterialTextures,
     RenderSettings, Sampler, Scene, ShadowPattern, ShadowRays, TextureUse,
@@ -312,8 +313,13 @@ impl Rules<'_> {
         let chooses = self.has(Effect::LightChoice) || self.has(Effect::LightTree);
         let chosen = chooses && self.emitters.sampled().count() > 1;
         let differ = chosen || has_texels || (self.samples_extended_lights() && !center);
+        let lights = 0..self.emitters.lights.len();
+        let most: f64 = lights
+            .map(|light| self.emitters.samples(light, rays.most()))
+            .sum();
+        let fit = most <= MAX_LIGHT_SAMPLES as f64;
         match rays {
-            ShadowRays::Auto => (differ && pattern == ShadowPattern::Random)
+            ShadowRays::Auto => (differ && fit && pattern == ShadowPattern::Random)
                 .then(|| format!("shadow_rays = \"auto\": 1 or {}", rays.most())),
             ShadowRays::Number(_) => {
                 (rays.most() > 1 && differ).then(|| format!("shadow_rays = {rays}"))

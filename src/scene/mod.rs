@@ -167,7 +167,7 @@ impl Scene {
             let primitives: u64 = emitting.map(|s| s.geometry.primitives()).sum();
             let environments = u64::from(self.environment.is_some());
             samples += (primitives + suns + environments)
-                * u64::from(settings.estimator.shadow_rays.most());
+                * u64::from(settings.estimator.shadow_rays.least());
         }
         samples
     }

@@ -105,12 +105,6 @@ impl Visitor<'_> for WordOrNumber {
         Ok(ShadowRays::Number(rays))
     }
 
-    fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<ShadowRays, E> {
-        let unexpected = serde::de::Unexpected::Unsigned(number);
-        let rays = u32::try_from(number).map_err(|_| E::invalid_value(unexpected, &self))?;
-        Ok(ShadowRays::Number(rays))
-    }
-
     fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<ShadowRays, E> {
         let unexpected = serde::de::Unexpected::Str(word);
         (word == AUTO)

@@ -321,7 +321,7 @@ impl Check<'_> {
             LightSelection::Auto
             | LightSelection::Uniform
             | LightSelection::Power
-            | LightSelection::Tree => u64::from(rays.most()),
+            | LightSelection::Tree => u64::from(rays.least()),
         };
         self.require(
             samples <= MAX_LIGHT_SAMPLES,

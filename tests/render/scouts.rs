@@ -31,7 +31,7 @@ fn images_have_as_many_as_pay_and_no_other_difference() {
             let chosen = film(ShadowRays::Auto);
             assert_eq!(chosen.shadow_rays, rays, "{name}, seed {seed}");
             let named = film(ShadowRays::Number(rays));
-            assert!(chosen.pixels == named.pixels, "{name}, seed {seed}");
+            assert!(chosen == named, "{name}, seed {seed}");
         }
     }
 }

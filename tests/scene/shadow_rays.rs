@@ -1,6 +1,8 @@
 //! How many shadow rays a scene may ask for.
 
 use super::files::{Folder, refused};
+use direkt::low_level::effects::Effect;
+use direkt::low_level::prepare::Prepared;
 
 const CAMERA: &str = "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\nfov = 40\n";
 
@@ -16,6 +18,23 @@ fn the_number_has_bounds() {
             refused(&format!("{CAMERA}[render]\nshadow_rays = {rays}\n")),
             &format!("render.shadow_rays: is {rays}; expected \"auto\" or 1 to 1024"),
         );
+    }
+}
+
+/// As many lights as one ray for each may be, but not four: then there is one.
+#[test]
+fn many_lights_with_a_ray_each_leave_no_room_for_more() {
+    let sphere = "[[shapes]]\ntype = \"sphere\"\nemission = { radiance = 1 }\n";
+    for (lights, several) in [(16_383, true), (16_384, false)] {
+        let text = format!(
+            "{CAMERA}[render]\nlight_selection = \"all\"\n{}",
+            sphere.repeat(lights)
+        );
+        let folder = Folder::new();
+        folder.write("scene.toml", text);
+        let prepared = Prepared::of(folder.load("scene.toml").expect("it can be rendered"));
+        let effects = &prepared.effects;
+        assert_eq!(effects.contains(Effect::ShadowRays), several, "{lights}");
     }
 }
 

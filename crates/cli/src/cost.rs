@@ -51,7 +51,7 @@ pub struct Arguments {
     /// Light selections to compare [default: the scene's]
     #[arg(long, value_name = "LIST", value_enum, value_delimiter = ',')]
     light_selections: Vec<LightSelection>,
-    /// Numbers of shadow rays per camera ray to compare, each 1 to 1024 [default: the scene's]
+    /// Numbers of shadow rays per camera ray to compare, each `auto` or 1 to 1024 [default: the scene's]
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     shadow_rays: Vec<ShadowRays>,
     /// Patterns of their points to compare [default: the scene's]

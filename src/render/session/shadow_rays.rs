@@ -45,9 +45,7 @@ impl Session<'_> {
                 }
             }
         };
-        if rays != self.shadow_rays() {
-            self.set_shadow_rays(rays)?;
-        }
+        self.set_shadow_rays(rays)?;
         self.progress.shadow_rays = Some(rays);
         self.saved.progress.shadow_rays = Some(rays);
         Ok(())
